@@ -10,6 +10,7 @@
 #include "base/clocks.h"
 #include "base/random.h"
 #include "bench/core/bench_points.h"
+#include "bench/lights/squares.h"
 #include "ray/origin.h"
 #include "scene/sized_light.h"
 #include "scene/view.h"
@@ -30,14 +31,10 @@ struct NamedLight {
 
 AreaLight square(const glm::vec3& centre, const glm::vec3& direction, float side, bool dynamic)
 {
-    glm::vec3 u, v;
-    make_basis(direction, u, v);
-    const glm::vec3 a = 0.5f * side * u, b = 0.5f * side * v;
     AreaLight light;
-    light.polygon.corner = {centre - a - b, centre + a - b, centre + a + b, centre - a + b};
+    light.polygon.corner = square_corners(centre, direction, side);
     light.polygon.corners = 4;
     light.polygon.normal = direction;
-    if (glm::dot(glm::cross(a, b), direction) < 0) std::swap(light.polygon.corner[1], light.polygon.corner[3]);
     light.dynamic = dynamic;
     return light;
 }
@@ -48,7 +45,7 @@ std::vector<NamedLight> lights_of(const scene::SceneState& state, scene::SizedLi
     const scene::Scene& scene = state.scene();
     for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
         const scene::Light& light = scene.lights[l];
-        if (light.type == scene::LightType::directional || light.of_surface || light.of_environment) continue;
+        if (!becomes_square(light)) continue;
         const scene::LightState& at = state.light(l);
         bool moves = false;
         for (scene::NodeId n = light.node; n != scene::none; n = scene.nodes[n].parent)

@@ -17,6 +17,7 @@
 #include "shading/surface.h"
 #include "trace/centre_layers.h"
 #include "trace/checked_shadows.h"
+#include "trace/checked_sized.h"
 #include "trace/indirect_lights.h"
 #include "trace/shadow_testers.h"
 #include "trace/traced_frame.h"
@@ -161,7 +162,8 @@ FrameEngine::Plan FrameEngine::plan_for(const RenderOptions& o) const
             plan.shown = Shown::redrawn;
         return plan;
     }
-    if (o.overlay == Overlay::shadow_states && o.shadow_culling != ShadowCulling::off && has_lights)
+    if (o.overlay == Overlay::shadow_states && o.shadow_culling != ShadowCulling::off &&
+        (has_lights || !sized_panels(*scene_).titles.empty()))
         plan.shown = Shown::shadow_states;
     if (o.overlay == Overlay::clusters && o.indirect == Indirect::quadtree && !o.reference)
         plan.shown = Shown::clusters;
@@ -491,13 +493,16 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
             &reference.emplace(reference::ReferenceOptions{spp, bounces, seed, surroundings, true}, options_.samples);
     }
 
-    // The reference samples emissive surfaces by itself. The overlay of shadow states shows the lights of the scene.
-    if (plan_.shown == Shown::light && !plan_.reference && !sized_.empty()) {
+    // The reference samples emissive surfaces by itself.
+    std::optional<trace::CheckedSized> checked_sized;
+    const bool states = plan_.shown == Shown::shadow_states && options_.shadow_culling == ShadowCulling::certified;
+    if ((plan_.shown == Shown::light || states) && !plan_.reference && !sized_.empty()) {
         // Without culling, nothing is remembered from frame to frame; the answers are the same.
         if (!proven_ || options_.shadow_culling != ShadowCulling::certified)
             proven_ = std::make_unique<trace::ProvenVisibility>();
         techniques.sized = &sized_;
         techniques.sized_visibility = proven_.get();
+        if (states) techniques.sized_visibility = &checked_sized.emplace(*proven_, states_, panels_of_sized());
     } else {
         proven_.reset();
     }
@@ -511,6 +516,20 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
         trace::trace_frame(*state_, *rays_, view, traced, tasks, *buffers_, techniques, request.log);
     if (accelerator_ == Accelerator::kdtree) count_kdtree(counters);
     return counters;
+}
+
+// The panel of each light with size in the overlay of shadow states; -1: none.
+std::vector<int> FrameEngine::panels_of_sized() const
+{
+    const SizedPanels panels = sized_panels(state_->scene());
+    std::vector<int> result;
+    for (const scene::SizedLight& light : sized_.lights()) {
+        const int wanted = panels.of_object[light.faces.front().object];
+        const auto number = static_cast<int>(scene_->lights.size()) + wanted;
+        const auto at = std::find(states_.lights.begin(), states_.lights.end(), number);
+        result.push_back(wanted < 0 || at == states_.lights.end() ? -1 : static_cast<int>(at - states_.lights.begin()));
+    }
+    return result;
 }
 
 void FrameEngine::count_kdtree(FrameCounters& counters) const
@@ -532,7 +551,10 @@ Image8 FrameEngine::paint_overlay(const std::vector<std::string>& titles)
 {
     if (plan_.shown == Shown::clusters) return paint_clusters(state_->scene(), *rays_, view_, *map_, tasks_);
     GNOMON_CHECK(plan_.shown == Shown::shadow_states);
-    return paint_states(states_, titles, options_.shadow_culling == ShadowCulling::paper);
+    const bool sized = std::any_of(states_.lights.begin(), states_.lights.end(), [&](int l) {
+        return static_cast<std::size_t>(l) >= scene_->lights.size();
+    });
+    return paint_states(states_, titles, {options_.shadow_culling == ShadowCulling::paper, sized});
 }
 
 void FrameEngine::paint_redrawn(double exposure)

@@ -42,6 +42,9 @@ class VulkanRasterizer final : public Rasterizer {
             map.as_printed = settings.as_printed;
             frame_.set_bounced(std::make_unique<raster::MapBounce>(device_, state, map));
         }
+        raster::SizedDirectOptions sized;
+        if (settings.shadows == ShadowTextures::off) sized.method = raster::SizedDirectOptions::Method::unshadowed;
+        frame_.set_sized(std::make_unique<raster::SizedDirect>(device_, state, sized));
         if (settings.shadows == ShadowTextures::off || state.scene().lights.empty()) return;
         raster::ShadowOptions shadows;
         shadows.method = settings.shadows;

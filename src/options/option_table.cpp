@@ -58,6 +58,9 @@ constexpr Option k_options[] = {
      .subcommands = k_benches, .group = k_output, .help = "size of the image in pixels; keeps the vertical field of view"},
     {.name = "report", .argument = "DIR", .kind = Kind::text, .subcommands = k_reports, .group = k_output,
      .help = "also write DIR/index.html: tables and charts with the paper's values, and the data"},
+    {.name = "report", .argument = "DIR", .kind = Kind::text, .subcommands = bit(bench_lights), .group = k_output,
+     .help = "also write DIR/index.html: tables, images, shadow states, the rasterised frame beside the traced one, and "
+             "the data"},
     {.name = "report", .argument = "DIR", .kind = Kind::text, .subcommands = bit(bench_all), .group = k_output,
      .help = "folder for index.html: tables and charts with the papers' values, and the data"},
     {.name = "scenes", .argument = "DIR", .kind = Kind::text, .subcommands = bit(bench_all), .group = k_output,

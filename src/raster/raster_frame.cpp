@@ -146,6 +146,7 @@ FrameCounters RasterFrame::render(const scene::SceneState& state, const scene::V
     }
     if (bounced_) counters.indirect = bounced_->end_frame();
     if (visibility_) visibility_->count(counters);
+    if (sized_) counters.draws += sized_->draws();
     return counters;
 }
 
@@ -178,6 +179,7 @@ void RasterFrame::begin_frame(const scene::SceneState& state, const scene::View&
     if (options.layers)
         commands_.pass("forget lit").writes(lit_, vk::Use::copy_target).copy([&](vk::Recorder& r) { r.fill(lit_, 0); });
     if (visibility_) visibility_->update(commands_, state, planes);
+    if (sized_) sized_->update(commands_, state);
 }
 
 // Draws one sample of every pixel, layer by layer. One submit a sample: so progress can be reported, and a long frame

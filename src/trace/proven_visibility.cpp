@@ -34,6 +34,23 @@ glm::vec3 radiance_near(const scene::SizedLight& light, const glm::vec3& positio
     return nearest ? nearest->radiance : light.faces.front().radiance;
 }
 
+StateMark mark_of(area_light::PartState state)
+{
+    switch (state) {
+        case area_light::PartState::unlit:
+            return StateMark::away;
+        case area_light::PartState::lit:
+            return StateMark::none;
+        case area_light::PartState::dark:
+            return StateMark::full;
+        case area_light::PartState::listed:
+            return StateMark::penumbra;
+        case area_light::PartState::open:
+            break;
+    }
+    return StateMark::partial;
+}
+
 }   // namespace
 
 class ProvenVisibility::Work final : public Worker {
@@ -50,7 +67,10 @@ class ProvenVisibility::Work final : public Worker {
         owner_.visibility_->find(scratch_, batch.shadow_points, points, planar, answers_);
         result.reset(points.size());
         const Places& places = owner_.places_[planar];
+        const bool light_moves = owner_.lights_->lights()[light].dynamic;
         for (std::size_t k = 0; k < points.size(); ++k) {
+            const bool moves = light_moves || owner_.state_->is_dynamic(batch.shadow_points[points[k]].object);
+            result.state[k] = moves ? StateMark::moving : mark_of(answers_.state[k]);
             if (answers_.answer[k] == AreaVisibility::Answer::lit) result.answer[k] = SizedVisible::Answer::lit;
             if (answers_.answer[k] != AreaVisibility::Answer::partial) continue;
             const std::size_t side = answers_.back[k] ? 1 : 0;
@@ -82,6 +102,7 @@ class ProvenVisibility::Work final : public Worker {
 void ProvenVisibility::begin_frame(const FrameContext& frame, const scene::SizedLights& lights)
 {
     sampled_.begin_frame(frame, lights);
+    state_ = &frame.state;
     const bool first = !visibility_;
     if (first) visibility_ = std::make_unique<AreaVisibility>(frame.state, frame.rays, options_);
     std::vector<area_light::AreaLight> planar;

@@ -38,6 +38,7 @@ class ProvenVisibility final : public SizedVisibility {
     std::unique_ptr<area_light::AreaVisibility> visibility_;
     SampledVisibility sampled_;
     const scene::SizedLights* lights_ = nullptr;
+    const scene::SceneState* state_ = nullptr;   // of the frame
     std::uint32_t version_ = 0;           // of the lights
     std::vector<std::uint32_t> planar_;   // by light: index among the planar ones; k_sampled: a cluster
     std::vector<Places> places_;          // by planar light
