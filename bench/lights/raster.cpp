@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "api/scene_access.h"
 #include "base/clocks.h"
@@ -35,18 +36,21 @@ double brightness(const std::vector<float>& rgb, std::size_t pixel)
 class Frames {
  public:
     Frames(const std::shared_ptr<vk::Device>& device, const std::shared_ptr<const scene::Scene>& scene, double time,
-           Method method)
+           Method method, bool proves = false)
         : state_(scene, time), frame_(device, state_), software_(device->info().kind == "software")
     {
         raster::SizedDirectOptions options;
         options.method = method;
-        frame_.set_sized(std::make_unique<raster::SizedDirect>(device, state_, options));
+        auto sized = std::make_unique<raster::SizedDirect>(device, state_, options);
+        if (proves) sized->prove(rays_.emplace(state_), tasks_);
+        frame_.set_sized(std::move(sized));
     }
     double render(const scene::View& view)
     {
         const double begin = software_ ? cpu_ms() : wall_ms();
         if (rendered_) {
             state_.advance(state_.time());
+            if (rays_) rays_->update(state_);
             frame_.update(state_);
         }
         rendered_ = true;
@@ -58,6 +62,8 @@ class Frames {
 
  private:
     scene::SceneState state_;
+    Tasks tasks_{1};
+    std::optional<ray::RayScene> rays_;
     raster::RasterFrame frame_;
     bool software_, rendered_ = false;
     shading::FrameBuffers buffers_;
@@ -84,7 +90,7 @@ const Layer& layer(const Frame& image, const std::string& name)
 }   // namespace
 
 RasterLightsResult compare_raster_lights(const std::shared_ptr<const scene::Scene>& scene, int frame, Size size,
-                                         scene::CameraId camera)
+                                         scene::CameraId camera, bool others)
 {
     RasterLightsResult result;
     std::shared_ptr<vk::Device> device;
@@ -114,11 +120,18 @@ RasterLightsResult compare_raster_lights(const std::shared_ptr<const scene::Scen
             compared.push_back(i);
     result.pixels = static_cast<double>(compared.size());
 
-    for (const auto& [method, name] : {std::pair(Method::views, "light views from several places"),
-                                       std::pair(Method::percentage_closer, "percentage-closer soft shadows")}) {
+    struct Way {
+        const char* name;
+        Method method;
+        bool proves;
+    };
+    for (const auto& [name, method, proves] : {Way{"proven shares", Method::views, true},
+                                               Way{"light views from several places", Method::views, false},
+                                               Way{"percentage-closer soft shadows", Method::percentage_closer, false}}) {
+        if (!proves && !others) continue;
         RasterLightsRow row;
         row.method = name;
-        Frames frames(device, scene, time, method);
+        Frames frames(device, scene, time, method, proves);
         // Another view, the view that is compared, and the same once more.
         scene::View aside = view;
         aside.eye += 1e-3f * aside.right;
@@ -126,11 +139,13 @@ RasterLightsResult compare_raster_lights(const std::shared_ptr<const scene::Scen
         row.ms_view = frames.render(view);
         row.ms_still = frames.render(view);
         row.direct = frames.buffers().direct;
+        row.difference = ImageF(size.width, size.height, 1);
         const std::vector<float>& seen = frames.buffers().direct.data;
         for (const std::size_t i : compared) {
             const double here = brightness(light, i) / brightness(whole, i),
                          there = brightness(seen, i) / brightness(whole, i);
             row.rmse += (here - there) * (here - there);
+            row.difference.data[i] = static_cast<float>(there - here);
             row.max_abs = std::max(row.max_abs, std::abs(here - there));
             if (here > k_dark) continue;
             ++row.darkest;
@@ -148,7 +163,7 @@ RasterLightsResult compare_raster_lights(const std::shared_ptr<const scene::Scen
 
 namespace gnomon::bench {
 
-RasterLightsResult compare_raster_lights(const std::shared_ptr<const scene::Scene>&, int, Size, scene::CameraId)
+RasterLightsResult compare_raster_lights(const std::shared_ptr<const scene::Scene>&, int, Size, scene::CameraId, bool)
 {
     return {};
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Measures the visible fraction of lights with size in the rasterised frame against the traced one, and what a frame
-// costs: with light views from several places (raster/sized_direct.h), and with percentage-closer soft shadows.
+// costs: with proven shares (raster/proven_shares.h), with light views from several places (raster/sized_direct.h), and
+// with percentage-closer soft shadows. Times are those of one thread and the device.
 //
 // The visible fraction of a pixel is its direct light over its unshadowed direct light. Pixels whose unshadowed light is
 // below a hundredth of the image's mean are left out, as are those in which both frames see different surfaces.
@@ -25,6 +26,7 @@ struct RasterLightsRow {
     double ms_view = 0;             // the camera moved: surfaces and light are computed anew
     double ms_still = 0;            // nothing changed
     ImageF direct;                  // linear
+    ImageF difference;              // one channel: what the rasterised frame sees more than the traced one; else 0
 };
 
 struct RasterLightsResult {
@@ -35,8 +37,9 @@ struct RasterLightsResult {
     std::vector<RasterLightsRow> rows;
 };
 
-/// @param scene  its only lights are those with size
+/// @param scene   its only lights are those with size
+/// @param others  also measure the two other ways
 RasterLightsResult compare_raster_lights(const std::shared_ptr<const scene::Scene>& scene, int frame, Size size,
-                                         scene::CameraId camera);
+                                         scene::CameraId camera, bool others = true);
 
 }   // namespace gnomon::bench

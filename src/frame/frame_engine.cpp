@@ -14,6 +14,7 @@
 #include "image/changed_rectangles.h"
 #include "ray/kdtree/kdtree.h"
 #include "scene/continuation.h"
+#include "scene/emission.h"
 #include "shading/surface.h"
 #include "trace/centre_layers.h"
 #include "trace/checked_shadows.h"
@@ -88,6 +89,11 @@ auto raster_key(const RenderOptions& o)
 {
     return std::tuple(o.samples, o.layers, o.shadow_textures, o.shadow_filter, o.as_printed, o.overlay, o.indirect_on,
                       cache_key(o), map_key(o));
+}
+
+bool may_emit_in(const scene::Scene& scene)
+{
+    return std::any_of(scene.materials.begin(), scene.materials.end(), scene::may_emit);
 }
 
 std::size_t bytes_of(const shading::FrameBuffers& buffers)
@@ -190,7 +196,8 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
 
     // Move the scene.
     const bool needs_rays = options.renderer == RenderMethod::trace || options.indirect == Indirect::visible ||
-                            options.ids || options.motion || settings_.always_has_rays;
+                            options.ids || options.motion || settings_.always_has_rays ||
+                            (options.shadow_textures != ShadowTextures::off && may_emit_in(*scene));
     const bool rays_are_traced = options.renderer == RenderMethod::trace || settings_.always_has_rays;
     const Accelerator accelerator = rays_are_traced ? options.accelerator : Accelerator::embree;
     const bool continues = host && state_ && scene != scene_ && accelerator == accelerator_ && continue_with(scene);
@@ -323,7 +330,7 @@ void FrameEngine::fit_caches(const RenderOptions& options)
 
 void FrameEngine::fit_rasterizer(const RenderOptions& options)
 {
-    if (raster_ && raster_key(options) == raster_key(raster_options_)) {
+    if (raster_ && raster_key(options) == raster_key(raster_options_) && raster_rays_ == rays_.get()) {
         raster_->update(*state_);
         return;
     }
@@ -342,6 +349,7 @@ void FrameEngine::fit_rasterizer(const RenderOptions& options)
                                         .rays = rays_.get(),
                                         .tasks = &tasks_});
     raster_options_ = options;
+    raster_rays_ = rays_.get();
 }
 
 scene::View FrameEngine::make_view(scene::CameraId camera, Size size, std::optional<double> turn)

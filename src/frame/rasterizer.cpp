@@ -44,7 +44,11 @@ class VulkanRasterizer final : public Rasterizer {
         }
         raster::SizedDirectOptions sized;
         if (settings.shadows == ShadowTextures::off) sized.method = raster::SizedDirectOptions::Method::unshadowed;
-        frame_.set_sized(std::make_unique<raster::SizedDirect>(device_, state, sized));
+        auto direct = std::make_unique<raster::SizedDirect>(device_, state, sized);
+        if (settings.rays && settings.tasks && settings.shadows != ShadowTextures::off)
+            direct->prove(*settings.rays, *settings.tasks);
+        sized_ = direct.get();
+        frame_.set_sized(std::move(direct));
         if (settings.shadows == ShadowTextures::off || state.scene().lights.empty()) return;
         raster::ShadowOptions shadows;
         shadows.method = settings.shadows;
@@ -68,7 +72,7 @@ class VulkanRasterizer final : public Rasterizer {
         raster::paint_redrawn(ids_, redrawn_, exposure, color);
     }
     std::string device() const override { return device_->info().name; }
-    std::size_t remembered_bytes() const override { return visible_ ? visible_->bytes() : 0; }
+    std::size_t remembered_bytes() const override { return (visible_ ? visible_->bytes() : 0) + sized_->bytes(); }
 
  private:
     void note_redrawn(const scene::SceneState& state)
@@ -90,6 +94,7 @@ class VulkanRasterizer final : public Rasterizer {
     bool redrawn_stays_ = false;
     const irradiance_cache::IrradianceCache* visible_ = nullptr;   // owned by the frame's bounced light
     const light_views::LightViews* views_ = nullptr;               // owned by the frame's visibility
+    const raster::SizedDirect* sized_ = nullptr;                   // owned by the frame
 };
 
 }   // namespace

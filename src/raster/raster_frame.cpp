@@ -201,7 +201,7 @@ RasterFrame::Drawn RasterFrame::draw_sample(const scene::View& view, const Raste
             resolve({offset, weight, layer == 0 ? 1u : 0u, peeled ? 1u : 0u, layer + 1 == layers ? 1u : 0u});
             if (!kept_key_.empty()) copy(color_, own_);
         }
-        light(options, options.layers && layer == 0);
+        light(options, view, options.layers && layer == 0);
         bounce(view, options.layers && layer == 0);
         if (options.ids && sample == 0 && layer == 0) drawn.ids = commands_.read_back(surfaces_.ids);
         if (!options.layers || layer > 0) continue;

@@ -85,7 +85,7 @@ class RasterFrame {
     void peel(const shared::DrawPush& push, const vk::Image& last_depth, const vk::Image& depth);
     void draw_groups(vk::Recorder& r, scene::SurfaceClass surface) const;
     void resolve(const shared::ResolvePush& push);
-    void light(const RasterOptions& options, bool layers);
+    void light(const RasterOptions& options, const scene::View& view, bool layers);
     void light_by(std::uint32_t first, std::uint32_t end, const RasterOptions& options, bool layers);
     void bounce(const scene::View& view, bool layers);
     void clear(const vk::Image& image, float value);

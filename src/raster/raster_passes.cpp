@@ -192,7 +192,7 @@ void RasterFrame::resolve(const ResolvePush& push)
 }
 
 // Adds all lights. Where lights with size are lit by themselves, the lights that approximate them are left out.
-void RasterFrame::light(const RasterOptions& options, bool layers)
+void RasterFrame::light(const RasterOptions& options, const scene::View& view, bool layers)
 {
     const std::vector<scene::Light>& lights = described_->lights;
     const auto left_out = [&](std::uint32_t l) { return sized_ && lights[l].of_surface; };
@@ -201,7 +201,7 @@ void RasterFrame::light(const RasterOptions& options, bool layers)
         for (end = first + 1; end < all && left_out(end) == left_out(first);) ++end;
         if (!left_out(first)) light_by(first, end, options, layers);
     }
-    if (sized_) sized_->add(commands_, {surfaces_, share_, frame_}, color_, direct_, layers);
+    if (sized_) sized_->add(commands_, {surfaces_, share_, frame_, view}, color_, direct_, layers);
 }
 
 // Adds a run of lights, in batches where shadows are filled in. Of the layers of lit pixels a shader may get fewer at

@@ -10,7 +10,7 @@
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 0, scalar) readonly buffer Frame { RasterFrame frame; };
-layout(binding = 1, rgba32f) uniform writeonly image2D sized;
+layout(binding = 1, rgba32f) uniform image2D sized;
 layout(binding = 2) uniform texture2D share;
 layout(binding = 3) uniform texture2D g_position;
 layout(binding = 4) uniform texture2D g_normal;
@@ -34,6 +34,7 @@ layout(binding = 20, scalar) readonly buffer Places { TexturePlace places[]; };
 layout(binding = 21, scalar) readonly buffer Textures { uint textures[]; };
 layout(binding = 22, scalar) readonly buffer Casts { uint casts[]; };
 #endif
+layout(binding = 23, scalar) readonly buffer Shares { vec2 shares[]; };   // light by light, pixel by pixel
 layout(push_constant, scalar) uniform Push { SizedPush push; };
 #define lookup push.look_up
 
@@ -59,7 +60,7 @@ void main()
     const vec3 part = texelFetch(share, at, 0).xyz;
     const vec4 diffuse = texelFetch(g_diffuse, at, 0);
     if (part == vec3(0) || uint(diffuse.w) == GNOMON_MODEL_UNLIT) {
-        imageStore(sized, at, vec4(0));
+        imageStore(sized, at, vec4(0));   // in every batch
         return;
     }
     const vec4 normal = texelFetch(g_normal, at, 0), geometric = texelFetch(g_geometric, at, 0),
@@ -89,9 +90,15 @@ void main()
     }
 
     vec3 sum = vec3(0);
+    const uint pixel = uint(at.y) * frame.width + uint(at.x);
     for (uint l = 0; l < push.lights; ++l) {
-        const SizedLightRecord light = sized_lights[l];
+        const SizedLightRecord light = sized_lights[push.first_light + l];
         if (below_horizon(p, light)) continue;
+        vec2 share_here = vec2(0);
+        if (light.proven != 0) {
+            share_here = shares[l * frame.width * frame.height + pixel];
+            if (share_here == vec2(0)) continue;
+        }
         // Sum the places that have views, and of a distant cluster all places: what they bring, and what of it is visible.
         const bool distant = is_distant(p, light, push.far);
         Unshadowed arrives = Unshadowed(vec3(0), vec3(0));
@@ -125,8 +132,11 @@ void main()
 #ifdef GNOMON_CLOSER
         if (push.unshadowed == 0) seen[0] = seen[1] = vec3(percentage_closer(p, light));
 #endif
+        if (light.proven != 0) seen[0] = vec3(share_here.x), seen[1] = vec3(share_here.y);
         if (push.unshadowed != 0) seen[0] = seen[1] = vec3(1);
         sum += reflectance * arrives.irradiance * seen[0] + arrives.lobe * seen[1];
     }
-    imageStore(sized, at, vec4(part * sum, 0));
+    vec4 result = vec4(part * sum, 0);
+    if (push.continued != 0) result += imageLoad(sized, at);
+    imageStore(sized, at, result);
 }

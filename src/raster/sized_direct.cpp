@@ -32,6 +32,8 @@ constexpr std::uint32_t k_sum_code[] =
 // is behind them.
 constexpr float k_lift = 1e-4f;
 
+constexpr std::uint32_t k_batch = 4;   // lights whose shares are sent at once
+
 scene::SizedLightOptions place_options(const SizedDirectOptions& options)
 {
     scene::SizedLightOptions result;
@@ -97,8 +99,10 @@ void SizedDirect::find_places(const scene::SceneState& state)
     std::vector<scene::Light> kinds;
     std::vector<scene::LightState> states;
     first_place_.clear();
-    for (const scene::SizedLight& light : places_.lights()) {
+    for (std::size_t l = 0; l < places_.lights().size(); ++l) {
+        const scene::SizedLight& light = places_.lights()[l];
         first_place_.push_back(static_cast<std::uint32_t>(states.size()));
+        if (proofs_ && proofs_->knows(l)) continue;
         const auto add = [&](const glm::vec3& position, const scene::SizedFace& face) {
             scene::Light kind;
             kind.type = face.two_sided ? scene::LightType::point : scene::LightType::spot;
@@ -158,7 +162,6 @@ void SizedDirect::send(vk::Commands& commands)
         r.view_count = first_place_[l + 1] - first_place_[l];
         r.first_cell = static_cast<std::uint32_t>(cells.size());
         r.cells = light.cell_radiance.empty() ? 0 : static_cast<std::uint32_t>(light.cells);
-        records.push_back(r);
         for (const scene::SizedFace& f : light.faces) {
             SizedFaceRecord face{};
             std::copy(f.corner.begin(), f.corner.end(), face.corner);
@@ -169,9 +172,11 @@ void SizedDirect::send(vk::Commands& commands)
         }
         for (const scene::SizedPlace& p : light.places) places.push_back(record_of(p, r.first_face));
         // Faces of a light are in the same order in both.
-        if (options_.method == SizedDirectOptions::Method::views)
+        r.proven = proofs_ && proofs_->knows(l) ? 1 : 0;
+        if (options_.method == SizedDirectOptions::Method::views && r.proven == 0)
             for (const scene::SizedPlace& p : with_views.places) view_places.push_back(record_of(p, r.first_face));
         cells.insert(cells.end(), light.cell_radiance.begin(), light.cell_radiance.end());
+        records.push_back(r);
     }
     send_all(device_, commands, "lights with size", light_records_, records);
     send_all(device_, commands, "faces of lights", faces_, faces);
@@ -191,6 +196,7 @@ void SizedDirect::update(vk::Commands& commands, const scene::SceneState& state)
 {
     lights_.update(state);
     places_.update(state);
+    if (proofs_) proofs_->follow(state, lights_);
     const bool other_lights = lights_.version() != sent_version_;
     if (other_lights) find_places(state);
     if (!other_lights && !moved_.empty()) {
@@ -237,14 +243,33 @@ void SizedDirect::make_pipelines()
                                                  .blocks = {vk::shared_push<shared::SizedSumPush>()}});
 }
 
+// Computes the image: in batches if shares are sent, else at once.
 void SizedDirect::compute(vk::Commands& commands, const SizedSurfaces& layer)
+{
+    const auto lights = static_cast<std::uint32_t>(lights_.lights().size());
+    if (!shares_) shares_ = vk::Buffer(device_, "visible shares", sizeof(glm::vec2));
+    if (!proofs_) return compute_batch(commands, layer, 0, lights);
+    proofs_->read(commands, layer.surfaces, layer.view);
+    for (std::uint32_t first = 0; first < lights; first += k_batch) {
+        const std::uint32_t count = std::min(k_batch, lights - first);
+        const std::span<const glm::vec2> shares = proofs_->find(first, count, lights_.lights());
+        if (shares_.bytes() < shares.size_bytes())
+            shares_ = vk::Buffer(device_, "visible shares", shares.size_bytes());
+        const vk::Upload upload = vk::upload_of(shares_, shares);
+        commands.upload("visible shares", {&upload, 1});
+        compute_batch(commands, layer, first, count);
+    }
+}
+
+void SizedDirect::compute_batch(vk::Commands& commands, const SizedSurfaces& layer, std::uint32_t first,
+                                std::uint32_t count)
 {
     const GBuffer& g = layer.surfaces;
     const Views& v = *views_;
     const std::pair<const char*, const vk::Buffer*> buffers[] = {
         {"Frame", &layer.frame},          {"SizedLights", &light_records_}, {"SizedFaces", &faces_},
         {"SizedPlaces", &place_records_}, {"SizedCells", &cells_},          {"LobeFits", &fits_},
-        {"LobeAlbedos", &albedos_},       {"ViewPlaces", &view_places_}};
+        {"LobeAlbedos", &albedos_},       {"ViewPlaces", &view_places_},    {"Shares", &shares_}};
     const std::pair<const char*, const vk::Image*> images[] = {
         {"share", &layer.share},   {"g_position", &g.position}, {"g_normal", &g.normal}, {"g_geometric", &g.geometric},
         {"g_diffuse", &g.diffuse}, {"g_specular", &g.specular}, {"g_ids", &g.ids}};
@@ -263,12 +288,11 @@ void SizedDirect::compute(vk::Commands& commands, const SizedSurfaces& layer)
             v.records.bind(r, v.buffers, nullptr);
         }
         r.set("sized", image_);
-        shadow_textures::LookupOptions look_up;
-        look_up.filter = options_.filter;
         const glm::uvec2 size(g.position.width(), g.position.height());
         shared::SizedPush push{};
-        push.look_up = shadow_textures::LookupRecords::constants(size, v.views, nullptr, look_up);
-        push.lights = static_cast<std::uint32_t>(lights_.lights().size());
+        push.look_up = shadow_textures::LookupRecords::constants(size, v.views, nullptr, options_.look_up);
+        push.first_light = first, push.lights = count;
+        push.continued = first > 0 ? 1 : 0;
         push.unshadowed = options_.method == SizedDirectOptions::Method::unshadowed ? 1 : 0;
         push.far = options_.polygon.far;
         push.least_roughness = options_.polygon.least_roughness;

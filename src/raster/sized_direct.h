@@ -3,10 +3,11 @@
 // Direct light of lights with size in the rasterised frame: in closed form, as in the traced one, times the visible
 // share.
 //
-// The visible share is found from light views [Heckbert and Herf 1997]: some places on each light have depth buffers,
-// which are kept up to date like those of other lights [Oh and Shin 2004]. The share is the sum of the visible places'
-// weights over the sum of all places' weights. A look-up is filtered over a few texels, so that the edges of the places'
-// shadows meet. The places are the same for every point and frame: there is no noise.
+// The visible share is that of the traced frame for lights of one polygon, if prove() was called (proven_shares.h). For
+// clusters, and without, it is found from light views [Heckbert and Herf 1997]: some places on each light have depth
+// buffers, which are kept up to date like those of other lights [Oh and Shin 2004]. The share is the sum of the visible
+// places' weights over the sum of all places' weights. A look-up is filtered over a few texels, so that the edges of the
+// places' shadows meet. The places are the same for every point and frame: there is no noise.
 //
 // Percentage-closer soft shadows, from one view in the middle of each light, are there for comparison.
 //
@@ -14,6 +15,7 @@
 // and a look-up for each place; the views cost what changed in them. Memory: 16 bytes per texel of the views.
 
 #include "raster/gbuffer.h"
+#include "raster/proven_shares.h"
 #include "scene/sized_light.h"
 #include "shading/polygon_light.h"
 #include "shadow_textures/vulkan/lookup_records.h"
@@ -25,7 +27,8 @@ struct SizedDirectOptions {
     Method method = Method::views;
     // Places with a view: of a light at the most, of all lights together, and of a light at the least; powers of two.
     int places = 16, places_in_all = 256, least_places = 4;
-    float filter = 2;   // texels
+    /// Filter and margins of a look-up, in texels.
+    shadow_textures::LookupOptions look_up{.filter = 2};
     /// Of faces: half of view_size. A view of several places needs less detail than one of a point.
     light_views::AtlasOptions atlas{.view_size = 1024, .budget_texels = 1 << 25};
     /// Lobes are widened more than in the traced frame, because fewer places cannot resolve sharper ones.
@@ -37,6 +40,7 @@ struct SizedSurfaces {
     const GBuffer& surfaces;
     const vk::Image& share;   // weight in the image
     const vk::Buffer& frame;
+    const scene::View& view;
 };
 
 class SizedDirect {
@@ -46,12 +50,16 @@ class SizedDirect {
                 const SizedDirectOptions& options = {});
     ~SizedDirect();
 
+    /// Proves what is visible of polygons, from the next update() on.
+    /// @param rays  must follow the state before every update(); both outlive this
+    void prove(const ray::RayScene& rays, Tasks& tasks) { proofs_ = std::make_unique<ProvenShares>(rays, tasks); }
+
     /// Follows one advance() of the state. Call once a frame, before add().
     void update(vk::Commands& commands, const scene::SceneState& state);
     /// Whether there is none now.
     bool empty() const { return lights_.empty(); }
 
-    /// Adds the light that a layer of surfaces reflects.
+    /// Adds the light that a layer of surfaces reflects. May submit.
     /// @param layers  add to the layer of direct light as well
     void add(vk::Commands& commands, const SizedSurfaces& layer, const vk::Image& color, const vk::Image& direct,
              bool layers);
@@ -62,6 +70,7 @@ class SizedDirect {
     /// Frames for which light was not computed anew, because nothing had changed.
     std::uint64_t kept() const { return kept_; }
     std::uint64_t draws() const;   // of the last update
+    std::size_t bytes() const { return proofs_ ? proofs_->bytes() : 0; }   // of host memory that proofs hold
 
  private:
     struct Views;
@@ -69,6 +78,7 @@ class SizedDirect {
     void send(vk::Commands& commands);
     void make_pipelines();
     void compute(vk::Commands& commands, const SizedSurfaces& layer);
+    void compute_batch(vk::Commands& commands, const SizedSurfaces& layer, std::uint32_t first, std::uint32_t count);
 
     std::shared_ptr<vk::Device> device_;
     SizedDirectOptions options_;
@@ -81,8 +91,9 @@ class SizedDirect {
     std::vector<scene::LightId> moved_, moved_before_, started_;
     std::vector<std::uint32_t> first_place_;   // by light, with one more at the end
     std::unique_ptr<Views> views_;
+    std::unique_ptr<ProvenShares> proofs_;
     vk::Pipeline compute_, sum_;
-    vk::Buffer light_records_, faces_, place_records_, cells_, fits_, albedos_, view_places_;
+    vk::Buffer light_records_, faces_, place_records_, cells_, fits_, albedos_, view_places_, shares_;
     vk::Image image_;
     bool changed_ = true;   // lights or views, since image_ was made
     std::uint64_t kept_ = 0;

@@ -18,6 +18,7 @@ struct SizedLightRecord {
     uint first_place, place_count;   // by which a distant cluster is summed
     uint first_view, view_count;     // places that have light views
     uint first_cell, cells;          // mean radiances over cells x cells parts of a textured polygon; cells: 0 if none
+    uint proven;                     // its visible shares are known (ProvenShares)
 };
 
 struct SizedFaceRecord {
@@ -44,7 +45,8 @@ struct LobeFit {
 /// Push constants of lighting by lights with size.
 struct SizedPush {
     LookupConstants look_up;
-    uint lights;
+    uint first_light, lights;
+    uint continued;          // add to the image what these lights bring
     uint unshadowed;         // nothing occludes
     float far;               // PolygonLightOptions::far
     float least_roughness;   // PolygonLightOptions::least_roughness, for the places that have views
@@ -57,11 +59,11 @@ struct SizedSumPush {
 
 #ifdef __cplusplus
 GNOMON_MEMBERS(SizedLightRecord, centre, radius, first_face, face_count, first_place, place_count, first_view,
-               view_count, first_cell, cells)
+               view_count, first_cell, cells, proven)
 GNOMON_MEMBERS(SizedFaceRecord, corner, corners, normal, two_sided, radiance)
 GNOMON_MEMBERS(SizedPlaceRecord, position, face, radiance, area)
 GNOMON_MEMBERS(LobeFit, a, b, c, tilt, scale)
-GNOMON_MEMBERS(SizedPush, look_up, lights, unshadowed, far, least_roughness)
+GNOMON_MEMBERS(SizedPush, look_up, first_light, lights, continued, unshadowed, far, least_roughness)
 GNOMON_MEMBERS(SizedSumPush, layers)
 #endif
 
