@@ -10,6 +10,9 @@
 #include "bench/lights/raster.h"
 #include "bench/lights/squares.h"
 #include "gnomon/gnomon.h"
+#include "raster/raster_frame.h"
+#include "same_frames.h"
+#include "scene/view.h"
 #include "support.h"
 
 namespace gnomon {
@@ -112,7 +115,7 @@ TEST_F(SoftShadows, UnshadowedLightIsThatOfTheTracedFrame)
 }
 
 // A floor, a square light of 1 m above it, and a box between them.
-Scene box_under_a_square(double height, bool moving = false)
+Scene box_under_a_square(double height, InstanceId* moving = nullptr)
 {
     SceneBuilder builder;
     const MaterialId emitter = builder.material({.base_color = {0, 0, 0}, .emissive = {4, 4, 4}}),
@@ -121,8 +124,10 @@ Scene box_under_a_square(double height, bool moving = false)
                  up = builder.mesh({.positions = k_square, .indices = k_up});
     builder.instance(down, emitter, Transform::translation(0, 2, 0));
     builder.instance(up, white, Transform::scaling(8, 1, 8));
-    builder.instance(up, white, Transform::translation(0.2, height, 0.1) * Transform::scaling(0.8, 1, 0.6),
-                     {.mobility = moving ? Mobility::may_move : Mobility::fixed});
+    const InstanceId board =
+        builder.instance(up, white, Transform::translation(0.2, height, 0.1) * Transform::scaling(0.8, 1, 0.6),
+                         {.mobility = moving ? Mobility::may_move : Mobility::fixed});
+    if (moving) *moving = board;
     Camera camera;
     camera.transform = Transform::look_at({0.5f, 2, 4}, {0, 0.4f, 0});
     camera.vertical_fov = 0.8;
@@ -146,6 +151,72 @@ TEST_F(SoftShadows, LightViewsFromSeveralPlacesAreCloserThanPercentageCloserShad
     EXPECT_LE(result.rows.at(1).rmse, 0.03);
     EXPECT_EQ(result.rows.at(1).leaks, 0);
     EXPECT_LT(result.rows.at(1).rmse, result.rows.at(2).rmse);
+}
+
+TEST_F(SoftShadows, FramesWithMovingObjectsAreThoseOfAFreshRenderer)
+{
+    InstanceId board;
+    const Scene scene = box_under_a_square(0.5, &board);
+    RenderOptions options = options_of(RenderMethod::raster, {96, 72});
+    options.layers = false;
+    Renderer kept(options);
+    for (const double x : {0.2, 0.5, 0.5, -0.3}) {
+        FrameInput input;
+        input.time = 0.0;
+        input.transforms.push_back({board, Transform::translation(x, 0.5, 0.1) * Transform::scaling(0.8, 1, 0.6)});
+        test::expect_same(kept.render(scene, input), Renderer(options).render(scene, input));
+        ASSERT_FALSE(HasFailure()) << x;
+    }
+}
+
+TEST_F(SoftShadows, LightViewsThatAreKeptGiveTheImageOfNewOnes)
+{
+    InstanceId board;
+    const Scene scene = box_under_a_square(0.5, &board);
+    scene::SceneState state(api::scene_of(scene), 0);
+    const scene::View view = scene::make_view(state, 0, {64, 48});
+    const auto rendered_by = [&](raster::RasterFrame& frame) {
+        shading::FrameBuffers out;
+        frame.render(state, view, {}, out);
+        return out.color.data;
+    };
+    raster::SizedDirectOptions options;
+    options.atlas.view_size = 128;
+    raster::RasterFrame kept(device_, state);
+    auto sized = std::make_unique<raster::SizedDirect>(device_, state, options);
+    const raster::SizedDirect& direct = *sized;
+    kept.set_sized(std::move(sized));
+    const std::vector<float> first = rendered_by(kept);
+    EXPECT_EQ(direct.kept(), 0u);
+    EXPECT_GT(direct.draws(), 0u);
+    // Nothing is computed or drawn again while nothing changes.
+    state.advance(0);
+    kept.update(state);
+    EXPECT_EQ(rendered_by(kept), first);
+    EXPECT_EQ(direct.kept(), 1u);
+    EXPECT_EQ(direct.draws(), 0u);
+    // The board moves.
+    const scene::NodeId node = state.scene().objects[2].node;
+    for (const double x : {0.4, -0.2}) {
+        const glm::dmat4 moved = glm::translate(glm::dmat4(1), glm::dvec3(x, 0.5, 0.1));
+        state.override_transform(node, &moved);
+        state.advance(0);
+        kept.update(state);
+        raster::RasterFrame fresh(device_, state);
+        fresh.set_sized(std::make_unique<raster::SizedDirect>(device_, state, options));
+        const std::vector<float> now = rendered_by(kept);
+        EXPECT_NE(now, first);
+        EXPECT_EQ(now, rendered_by(fresh)) << x;
+    }
+    EXPECT_EQ(direct.kept(), 1u);
+}
+
+TEST_F(SoftShadows, LightsThatApproximateSurfacesLightNothingDirectly)
+{
+    const Scene scene = box_under_a_square(0.5);
+    ASSERT_FALSE(scene.info().lights.empty());
+    const Frame frame = rendered(options_of(RenderMethod::raster, {48, 36}), scene);
+    for (const float lit : layer(frame, "shadow").copy()) ASSERT_EQ(lit, 0);
 }
 
 // The scene of a file, if it is there.
