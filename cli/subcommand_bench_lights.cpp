@@ -50,10 +50,11 @@ int run_bench_lights(const CommandLine& line, Output& output)
     }
     const bench::LightsImages images = bench::lights_images(api::scene_of(scene), options, output.progress());
     for (const bench::RasterLightsRow& r : images.raster.rows)
-        output.say(fmt::format("rasterised, {}: error {:.4f}, at most {:.3f}; {} of {} dark pixels see a tenth of the "
-                               "light or more; {:.0f} ms at first, {:.0f} ms for another view, {:.0f} ms if nothing "
-                               "changed",
-                               r.method, r.rmse, r.max_abs, r.leaks, r.darkest, r.ms_first, r.ms_view, r.ms_still));
+        output.say(
+            fmt::format("rasterised, {}: error {:.4f}, at most {:.3f}; {} of {} dark pixels see a tenth of the "
+                        "light or more; {:.0f} ms at first, {:.0f} ms for another view, {:.0f} ms if nothing "
+                        "changed",
+                        r.method, r.rmse, r.max_abs, r.leaks, r.darkest, r.ms_first, r.ms_view, r.ms_still));
     const nlohmann::ordered_json document = bench::lights_json(result, &images);
     bench::ReportPage page("Gnomon: lights with size", bench::machine_line(1));
     bench::add_lights_section(page, line.command, options, result, images, document);

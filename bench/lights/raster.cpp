@@ -22,8 +22,8 @@ namespace {
 
 using Method = raster::SizedDirectOptions::Method;
 
-constexpr double k_least_light = 0.01;     // of the mean: pixels with less are left out
-constexpr float k_same_depth = 1e-3f;      // relative
+constexpr double k_least_light = 0.01;          // of the mean: pixels with less are left out
+constexpr float k_same_depth = 1e-3f;           // relative
 constexpr double k_dark = 1e-3, k_leak = 0.1;   // visible fractions
 
 double brightness(const std::vector<float>& rgb, std::size_t pixel)
@@ -83,7 +83,8 @@ Frame traced(const std::shared_ptr<const scene::Scene>& scene, int frame, Size s
 
 const Layer& layer(const Frame& image, const std::string& name)
 {
-    const auto at = std::find_if(image.layers.begin(), image.layers.end(), [&](const Layer& l) { return l.name == name; });
+    const auto at =
+        std::find_if(image.layers.begin(), image.layers.end(), [&](const Layer& l) { return l.name == name; });
     return *at;
 }
 
@@ -125,9 +126,9 @@ RasterLightsResult compare_raster_lights(const std::shared_ptr<const scene::Scen
         Method method;
         bool proves;
     };
-    for (const auto& [name, method, proves] : {Way{"proven shares", Method::views, true},
-                                               Way{"light views from several places", Method::views, false},
-                                               Way{"percentage-closer soft shadows", Method::percentage_closer, false}}) {
+    for (const auto& [name, method, proves] :
+         {Way{"proven shares", Method::views, true}, Way{"light views from several places", Method::views, false},
+          Way{"percentage-closer soft shadows", Method::percentage_closer, false}}) {
         if (!proves && !others) continue;
         RasterLightsRow row;
         row.method = name;

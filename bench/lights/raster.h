@@ -4,8 +4,8 @@
 // costs: with proven shares (raster/proven_shares.h), with light views from several places (raster/sized_direct.h), and
 // with percentage-closer soft shadows. Times are those of one thread and the device.
 //
-// The visible fraction of a pixel is its direct light over its unshadowed direct light. Pixels whose unshadowed light is
-// below a hundredth of the image's mean are left out, as are those in which both frames see different surfaces.
+// The visible fraction of a pixel is its direct light over its unshadowed direct light. Pixels whose unshadowed light
+// is below a hundredth of the image's mean are left out, as are those in which both frames see different surfaces.
 
 #include <memory>
 #include <string>

@@ -30,15 +30,15 @@ ReportTable proofs_table(const LightsBenchResult& result)
         "What is known of each light at the points that it could reach: parts of surfaces that see all of it, none of "
         "it, or some of it past remembered triangles; unproven ones are decided by rays. Wrong: segments that "
         "contradict a proven answer. The error is of the visible share of the irradiance.";
-    table.columns = {"light", "points",    "lit",            "dark",     "penumbra", "unproven",
-                     "wrong", "segments", "first frame, ms", "then, ms", "RMSE",     "largest error"};
+    table.columns = {"light",    "points",          "lit",      "dark", "penumbra",     "unproven", "wrong",
+                     "segments", "first frame, ms", "then, ms", "RMSE", "largest error"};
     for (const LightsBenchResult::Row& r : result.rows)
-        table.rows.push_back({{r.light, fmt::format("{}", r.points), percent(r.lit), percent(r.dark),
-                               percent(r.penumbra), percent(r.unproven), fmt::format("{}", r.wrong),
-                               fmt::format("{}", r.segments), fmt::format("{:.1f}", r.ms_cold),
-                               fmt::format("{:.1f}", r.ms_steady), fmt::format("{:.5f}", r.error.rmse),
-                               fmt::format("{:.4f}", r.error.max_abs)},
-                              false});
+        table.rows.push_back(
+            {{r.light, fmt::format("{}", r.points), percent(r.lit), percent(r.dark), percent(r.penumbra),
+              percent(r.unproven), fmt::format("{}", r.wrong), fmt::format("{}", r.segments),
+              fmt::format("{:.1f}", r.ms_cold), fmt::format("{:.1f}", r.ms_steady), fmt::format("{:.5f}", r.error.rmse),
+              fmt::format("{:.4f}", r.error.max_abs)},
+             false});
     return table;
 }
 
@@ -90,14 +90,16 @@ ReportTable raster_table(const RasterLightsResult& raster)
         "pixels that are dark in the traced frame and see more than a tenth of the light. Times are {} of whole frames "
         "with all layers on {}.",
         raster.pixels, raster.clock, raster.device);
-    table.columns = {"method",     "RMSE",  "largest error",   "dark pixels",
-                     "leaks among them", "first frame, ms", "another view, ms", "nothing changed, ms"};
+    table.columns = {"method",           "RMSE",
+                     "largest error",    "dark pixels",
+                     "leaks among them", "first frame, ms",
+                     "another view, ms", "nothing changed, ms"};
     for (const RasterLightsRow& r : raster.rows)
-        table.rows.push_back({{r.method, fmt::format("{:.4f}", r.rmse), fmt::format("{:.3f}", r.max_abs),
-                               fmt::format("{:.0f}", r.darkest), fmt::format("{:.0f}", r.leaks),
-                               fmt::format("{:.0f}", r.ms_first), fmt::format("{:.0f}", r.ms_view),
-                               fmt::format("{:.0f}", r.ms_still)},
-                              false});
+        table.rows.push_back(
+            {{r.method, fmt::format("{:.4f}", r.rmse), fmt::format("{:.3f}", r.max_abs),
+              fmt::format("{:.0f}", r.darkest), fmt::format("{:.0f}", r.leaks), fmt::format("{:.0f}", r.ms_first),
+              fmt::format("{:.0f}", r.ms_view), fmt::format("{:.0f}", r.ms_still)},
+             false});
     return table;
 }
 
@@ -155,8 +157,7 @@ void add_lights_section(ReportPage& page, const std::string& command, const Ligh
     page.table(proofs_table(result));
     page.table(rays_table(result));
     page.chart(times_chart(result), "Time of a steady frame against the error, for one light.");
-    page.gallery({{"the traced frame", images.traced}},
-                 "Direct light of all lights together.");
+    page.gallery({{"the traced frame", images.traced}}, "Direct light of all lights together.");
     page.gallery({{"states of the shadows", images.states}},
                  "What is remembered of each light, at the first hits: --overlay shadow-states.");
     if (images.raster.device.empty()) {

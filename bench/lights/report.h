@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Writes the results of bench lights as a section of a report: what is proven of each light, what it costs beside shadow
-// rays, images, and the rasterised frame beside the traced one.
+// Writes the results of bench lights as a section of a report: what is proven of each light, what it costs beside
+// shadow rays, images, and the rasterised frame beside the traced one.
 
 #include "bench/lights/bench.h"
 #include "bench/lights/raster.h"

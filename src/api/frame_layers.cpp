@@ -70,16 +70,15 @@ std::vector<int> overlay_lights(const scene::Scene& scene, const RenderOptions& 
     const auto panels = paper ? 0 : static_cast<int>(frame::sized_panels(scene).titles.size());
     const int all = count + panels;
     if (all == 0) throw UsageError("an overlay of shadow states needs a light: the scene has none");
-    const auto left_out = [&](int l) { return panels > 0 && l < count && scene.lights[static_cast<std::size_t>(l)].of_surface; };
+    const auto left_out = [&](int l) {
+        return panels > 0 && l < count && scene.lights[static_cast<std::size_t>(l)].of_surface;
+    };
     if (options.overlay_light) {
         const int light = *options.overlay_light;
         if (light < 0 || light >= all)
             throw UsageError(fmt::format("no light {}: the scene has {}, numbered from 0", light, all));
-        if (left_out(light))
-            throw UsageError(fmt::format("light {} approximates an emissive surface, by which traced frames light: the "
-                                         "lights with size are numbered from {}",
-                                         light, count));
-        return {light};
+        // For a light that approximates a surface, show the first light with size.
+        return {left_out(light) ? count : light};
     }
     std::vector<int> lights;
     for (int l = 0; l < all; ++l)
@@ -105,8 +104,8 @@ std::vector<std::string> overlay_titles(const scene::Scene& scene, const std::ve
         }
         const std::string& name = scene.lights[static_cast<std::size_t>(l)].name;
         const std::string number = fmt::format("light {}", l);
-        titles.push_back(fmt::format("{}{}{}{}", when, number,
-                                     name.empty() || name == number ? "" : ": ", name == number ? "" : name));
+        titles.push_back(fmt::format("{}{}{}{}", when, number, name.empty() || name == number ? "" : ": ",
+                                     name == number ? "" : name));
     }
     return titles;
 }

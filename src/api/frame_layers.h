@@ -19,9 +19,9 @@ void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const Ren
 /// Makes an overlay, which is in screen colours, the only layer.
 void set_overlay(const Image8& image, Frame& result);
 
-/// The panels of an overlay of shadow states: lights, and from the scene's number of lights on those of lights with size
-/// (frame/state_overlay.h). Traced frames light with emissive surfaces, not with the lights that approximate them; the
-/// published method knows lights alone.
+/// The panels of an overlay of shadow states: lights, and from the scene's number of lights on those of lights with
+/// size (frame/state_overlay.h). Traced frames light with emissive surfaces, not with the lights that approximate them;
+/// the published method knows lights alone.
 /// @throws UsageError  there are none; no such light
 std::vector<int> overlay_lights(const scene::Scene& scene, const RenderOptions& options);
 

@@ -559,9 +559,8 @@ Image8 FrameEngine::paint_overlay(const std::vector<std::string>& titles)
 {
     if (plan_.shown == Shown::clusters) return paint_clusters(state_->scene(), *rays_, view_, *map_, tasks_);
     GNOMON_CHECK(plan_.shown == Shown::shadow_states);
-    const bool sized = std::any_of(states_.lights.begin(), states_.lights.end(), [&](int l) {
-        return static_cast<std::size_t>(l) >= scene_->lights.size();
-    });
+    const bool sized = std::any_of(states_.lights.begin(), states_.lights.end(),
+                                   [&](int l) { return static_cast<std::size_t>(l) >= scene_->lights.size(); });
     return paint_states(states_, titles, {options_.shadow_culling == ShadowCulling::paper, sized});
 }
 

@@ -188,7 +188,8 @@ SizedPanels sized_panels(const scene::Scene& scene)
         if (scene.objects[o].removed || std::none_of(parts.begin(), parts.end(), emits)) continue;
         panels.of_object[o] = static_cast<int>(panels.titles.size());
         const std::string& name = scene.nodes[scene.objects[o].node].name;
-        panels.titles.push_back(fmt::format("light with size {}{}{}", panels.titles.size(), name.empty() ? "" : ": ", name));
+        panels.titles.push_back(
+            fmt::format("light with size {}{}{}", panels.titles.size(), name.empty() ? "" : ": ", name));
     }
     if (panels.titles.size() <= SizedPanels::k_most_sized) return panels;
     for (int& panel : panels.of_object) panel = std::min(panel, 0);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Paints the image of --overlay shadow-states: one panel per light, and per emissive object, coloured by the cached shadow states, with wrong
-// results in glaring colours, and a legend with percentages. Shapes are drawn by the angle between surface and viewer.
+// Paints the image of --overlay shadow-states: one panel per light, and per emissive object, coloured by the cached
+// shadow states, with wrong results in glaring colours, and a legend with percentages. Shapes are drawn by the angle
+// between surface and viewer.
 
 #include <array>
 #include <string>

@@ -142,7 +142,8 @@ void LightViews::update(const scene::SceneState& state, const ViewedLights& view
         const bool was_shown = views_[v].shown;
         if (light.visible && (moves || first_ || !was_shown)) {
             // Compute the light's current projections.
-            const auto projections = project(viewed.lights[l], light, bounds_, views_[v].tile.size, options_.projection);
+            const auto projections =
+                project(viewed.lights[l], light, bounds_, views_[v].tile.size, options_.projection);
             for (std::size_t i = v; i < end; ++i) views_[i].projection = projections[i - v];
         }
         const bool restless = moves && !holds(viewed.started, l);

@@ -20,10 +20,10 @@ namespace gnomon::light_views {
 struct LightViewsOptions {
     ProjectionOptions projection;
     AtlasOptions atlas;
-    int quiet_frames = 8;     // frames at rest after which an object is static
-    bool coherence = true;    // false: everything is redrawn in every frame, for comparison
-    bool receivers = false;   // also list objects whose shadow textures change
-    bool of_surfaces = true;  // false: lights that approximate surfaces (Light::of_surface) have no views
+    int quiet_frames = 8;      // frames at rest after which an object is static
+    bool coherence = true;     // false: everything is redrawn in every frame, for comparison
+    bool receivers = false;    // also list objects whose shadow textures change
+    bool of_surfaces = true;   // false: lights that approximate surfaces (Light::of_surface) have no views
 };
 
 /// The lights whose views are kept, at the current time.
@@ -102,7 +102,7 @@ class LightViews {
     std::vector<char> is_dynamic_;
     std::vector<scene::ObjectId> changed_, dynamics_, overridden_;
     std::vector<scene::LightState> light_states_;   // of the scene's lights
-    bool first_ = true;   // all projections are to be computed
+    bool first_ = true;                             // all projections are to be computed
     std::uint32_t layout_version_ = 0;
     std::uint64_t touched_before_ = 0;
     LightViewsCounts counts_;

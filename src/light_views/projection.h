@@ -54,8 +54,8 @@ using scene::SceneBounds;
 int view_count(const scene::Light& light, const SceneBounds& bounds, const ProjectionOptions& options);
 
 /// The view_count() views of a light, all with `size` texels a side. Point lights: faces +x -x +y -y +z -z; two views
-/// of a directional light: the dense part, then everything; half cubes: the top, whose `across` and `down` are the axes s
-/// and t, then the sides +s -s +t -t.
+/// of a directional light: the dense part, then everything; half cubes: the top, whose `across` and `down` are the axes
+/// s and t, then the sides +s -s +t -t.
 std::vector<ViewProjection> project(const scene::Light& light, const scene::LightState& state,
                                     const SceneBounds& bounds, int size, const ProjectionOptions& options);
 

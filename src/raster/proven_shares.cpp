@@ -159,14 +159,14 @@ glm::vec2 ProvenShares::share_of(const Tile& tile, std::uint32_t p, std::size_t 
     s.to_viewer = orthographic_ ? -forward_ : glm::normalize(eye_ - s.position);
     s.roughness = std::max(normal.w, GNOMON_LOBE_LEAST_ROUGHNESS);
     s.specular = glm::vec3(specular);
-    const bool metallic_roughness = static_cast<std::uint32_t>(diffuse_.as<glm::vec4>()[pixel].w) ==
-                                    GNOMON_MODEL_METALLIC_ROUGHNESS;
+    const bool metallic_roughness =
+        static_cast<std::uint32_t>(diffuse_.as<glm::vec4>()[pixel].w) == GNOMON_MODEL_METALLIC_ROUGHNESS;
     const bool lobe = metallic_roughness && specular.w == 0 && shading::has_glossy_lobe(s);
     if (places.one_radiance && !lobe) return glm::vec2(of_side.share(point.origin, s.normal, point.normal, cells));
     own.seen.resize(places.of[side].size());
     places.fill_seen(side, of_side, cells, own.seen.data());
-    const shading::VisibleShare share = shading::visible_share(s, light, places.of[side], own.seen,
-                                                               area_light::CellPlaces::k_whole, lobe);
+    const shading::VisibleShare share =
+        shading::visible_share(s, light, places.of[side], own.seen, area_light::CellPlaces::k_whole, lobe);
     const glm::vec3& radiance = light.faces.front().radiance;
     return {mean_of(share.irradiance, radiance), lobe ? mean_of(share.lobe, radiance) : 0.0f};
 }

@@ -57,8 +57,8 @@ class ProvenShares {
     Tasks& tasks_;
     std::unique_ptr<area_light::AreaVisibility> visibility_;
     const scene::SizedLights* lights_ = nullptr;
-    std::uint32_t version_ = 0;           // of the lights
-    std::vector<std::uint32_t> planar_;   // by light: index among the planar ones, or k_cluster
+    std::uint32_t version_ = 0;                    // of the lights
+    std::vector<std::uint32_t> planar_;            // by light: index among the planar ones, or k_cluster
     std::vector<area_light::CellPlaces> places_;   // by planar light
     // Of the layer that was read:
     vk::Buffer positions_, normals_, geometric_, speculars_, diffuse_, ids_;

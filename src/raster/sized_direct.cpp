@@ -229,13 +229,11 @@ void SizedDirect::make_pipelines()
     desc.name = "lights with size";
     desc.code = {"raster/sized.comp", k_compute_code};
     if (closer) desc.code = {"raster/sized_closer.comp", k_closer_code};
-    desc.blocks = vk::all_blocks(vk::shared_push<shared::SizedPush>(), shadow_textures::look_up_blocks(),
-                                 std::vector{vk::shared_block<shared::RasterFrame>("Frame"),
-                                             vk::shared_block<SizedLightRecord>("SizedLights"),
-                                             vk::shared_block<SizedFaceRecord>("SizedFaces"),
-                                             vk::shared_block<SizedPlaceRecord>("SizedPlaces"),
-                                             vk::shared_block<SizedPlaceRecord>("ViewPlaces"),
-                                             vk::shared_block<LobeFit>("LobeFits")});
+    desc.blocks = vk::all_blocks(
+        vk::shared_push<shared::SizedPush>(), shadow_textures::look_up_blocks(),
+        std::vector{vk::shared_block<shared::RasterFrame>("Frame"), vk::shared_block<SizedLightRecord>("SizedLights"),
+                    vk::shared_block<SizedFaceRecord>("SizedFaces"), vk::shared_block<SizedPlaceRecord>("SizedPlaces"),
+                    vk::shared_block<SizedPlaceRecord>("ViewPlaces"), vk::shared_block<LobeFit>("LobeFits")});
     if (!closer) desc.blocks.push_back(vk::shared_block<shadow_textures::shared::TexturePlace>("Places"));
     compute_ = vk::Pipeline(device_, desc);
     sum_ = vk::Pipeline(device_, vk::ComputeDesc{.name = "add lights with size",
@@ -253,8 +251,7 @@ void SizedDirect::compute(vk::Commands& commands, const SizedSurfaces& layer)
     for (std::uint32_t first = 0; first < lights; first += k_batch) {
         const std::uint32_t count = std::min(k_batch, lights - first);
         const std::span<const glm::vec2> shares = proofs_->find(first, count, lights_.lights());
-        if (shares_.bytes() < shares.size_bytes())
-            shares_ = vk::Buffer(device_, "visible shares", shares.size_bytes());
+        if (shares_.bytes() < shares.size_bytes()) shares_ = vk::Buffer(device_, "visible shares", shares.size_bytes());
         const vk::Upload upload = vk::upload_of(shares_, shares);
         commands.upload("visible shares", {&upload, 1});
         compute_batch(commands, layer, first, count);

@@ -6,13 +6,13 @@
 // The visible share is that of the traced frame for lights of one polygon, if prove() was called (proven_shares.h). For
 // clusters, and without, it is found from light views [Heckbert and Herf 1997]: some places on each light have depth
 // buffers, which are kept up to date like those of other lights [Oh and Shin 2004]. The share is the sum of the visible
-// places' weights over the sum of all places' weights. A look-up is filtered over a few texels, so that the edges of the
-// places' shadows meet. The places are the same for every point and frame: there is no noise.
+// places' weights over the sum of all places' weights. A look-up is filtered over a few texels, so that the edges of
+// the places' shadows meet. The places are the same for every point and frame: there is no noise.
 //
 // Percentage-closer soft shadows, from one view in the middle of each light, are there for comparison.
 //
-// Cost: while surfaces, lights and casters rest, one addition per pixel. Otherwise, per pixel and light, the closed form
-// and a look-up for each place; the views cost what changed in them. Memory: 16 bytes per texel of the views.
+// Cost: while surfaces, lights and casters rest, one addition per pixel. Otherwise, per pixel and light, the closed
+// form and a look-up for each place; the views cost what changed in them. Memory: 16 bytes per texel of the views.
 
 #include "raster/gbuffer.h"
 #include "raster/proven_shares.h"
@@ -69,7 +69,7 @@ class SizedDirect {
     const light_views::LightViews* views() const;
     /// Frames for which light was not computed anew, because nothing had changed.
     std::uint64_t kept() const { return kept_; }
-    std::uint64_t draws() const;   // of the last update
+    std::uint64_t draws() const;                                           // of the last update
     std::size_t bytes() const { return proofs_ ? proofs_->bytes() : 0; }   // of host memory that proofs hold
 
  private:

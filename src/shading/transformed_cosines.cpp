@@ -13,8 +13,8 @@ namespace gnomon::shading {
 namespace {
 
 constexpr int k_rows = GNOMON_COSINE_ROWS, k_columns = GNOMON_COSINE_COLUMNS;
-constexpr int k_side = 20;                   // of the pattern of directions that a fit uses
-constexpr int k_steps = 80;                  // of the simplex search
+constexpr int k_side = 20;    // of the pattern of directions that a fit uses
+constexpr int k_steps = 80;   // of the simplex search
 constexpr double k_shear_penalty = 1e-3;
 constexpr double k_first_roughness = 0.05;   // to the double
 constexpr double k_least_cosine = 2e-3;

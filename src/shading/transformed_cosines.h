@@ -28,8 +28,8 @@ struct TransformedCosine {
 TransformedCosine transformed_cosine(float n_v, float roughness);
 
 /// One fit of the table, for shaders, which mix neighbouring ones and compute the matrix (lobe_shared.h). The matrix is
-/// R(turn) [a 0 c; 0 b 0; 0 0 1], where R turns the z axis in the plane of x and z onto the lobe's axis, which is `tilt`
-/// away from the mirror direction, towards the normal. All but the scale are in units of alpha.
+/// R(turn) [a 0 c; 0 b 0; 0 0 1], where R turns the z axis in the plane of x and z onto the lobe's axis, which is
+/// `tilt` away from the mirror direction, towards the normal. All but the scale are in units of alpha.
 struct TransformedCosineFit {
     float a = 1, b = 1, c = 0, tilt = 0;
     float scale = 1;

@@ -31,8 +31,7 @@ class CheckedSized::Work final : public Worker {
     {
         tested_->find_visible(batch, light, points, result);
         const int panel = owner_.panel_of_[light];
-        std::uint8_t* const cells =
-            panel < 0 ? nullptr : owner_.map_.panel(static_cast<std::size_t>(panel));
+        std::uint8_t* const cells = panel < 0 ? nullptr : owner_.map_.panel(static_cast<std::size_t>(panel));
         const auto cell_of = [&](std::uint32_t p) -> std::uint8_t& {
             return cells[batch.tile.index_in_image(batch.points[p].pixel, owner_.map_.size.width)];
         };

@@ -31,9 +31,9 @@ class ProvenVisibility final : public SizedVisibility {
     std::unique_ptr<area_light::AreaVisibility> visibility_;
     SampledVisibility sampled_;
     const scene::SizedLights* lights_ = nullptr;
-    const scene::SceneState* state_ = nullptr;   // of the frame
-    std::uint32_t version_ = 0;           // of the lights
-    std::vector<std::uint32_t> planar_;   // by light: index among the planar ones; k_sampled: a cluster
+    const scene::SceneState* state_ = nullptr;     // of the frame
+    std::uint32_t version_ = 0;                    // of the lights
+    std::vector<std::uint32_t> planar_;            // by light: index among the planar ones; k_sampled: a cluster
     std::vector<area_light::CellPlaces> places_;   // by planar light
     area_light::VisibilityCounters counters_;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights with size in the rasterised frame against the traced one: unshadowed light, and the visible fraction of lights.
+// Lights with size in the rasterised frame against the traced one: unshadowed light, and the visible fraction of
+// lights.
 #include "api/scene_access.h"
 #include "vk_helpers.h"
 
@@ -72,9 +73,9 @@ Scene one_emitter(Emitter kind)
                              Transform::translation(0, 0.4, 0));
             break;
         case Emitter::tilted_triangle:   // it crosses the horizon of the floor
-            builder.instance(
-                triangle, builder.material({.base_color = {0, 0, 0}, .double_sided = true, .emissive = {1, 2, 3}}),
-                Transform::translation(-0.8, 0.1, 0.3) * Transform::rotation({0, 0, 1}, 1.4));
+            builder.instance(triangle,
+                             builder.material({.base_color = {0, 0, 0}, .double_sided = true, .emissive = {1, 2, 3}}),
+                             Transform::translation(-0.8, 0.1, 0.3) * Transform::rotation({0, 0, 1}, 1.4));
             break;
         case Emitter::small_and_far:
             builder.instance(down, builder.material({.base_color = {0, 0, 0}, .emissive = {9e4f, 9e4f, 9e4f}}),

@@ -28,7 +28,7 @@ Scene board_under_a_square()
                      white = builder.material({.base_color = {0.7f, 0.7f, 0.7f}, .double_sided = true});
     const MeshId down = builder.mesh({.positions = k_square, .indices = k_down}),
                  up = builder.mesh({.positions = k_square, .indices = k_up});
-    builder.instance(down, emitter, Transform::translation(0, 2, 0), {.name = "lamp"});
+    builder.instance(down, emitter, Transform::translation(0, 2, 0), {.name = "panel"});
     builder.instance(up, white, Transform::scaling(8, 1, 8));
     builder.instance(up, white, Transform::translation(0.2, 0.3, 0.1) * Transform::scaling(1.6, 1, 1.2));
     Camera camera;
