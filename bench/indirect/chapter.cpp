@@ -127,7 +127,7 @@ class IndirectChapter : public BenchChapter {
     {
         const bool quick = settings_.quick;
         PlannedStudy planned{fmt::format("indirect light: {}", full ? "receivers at every pixel" : "sparse receivers"),
-                             full    ? 110.
+                             full    ? 80.
                              : quick ? 8.
                                      : 60.,
                              [] { return load(k_cornell); }};
@@ -136,7 +136,7 @@ class IndirectChapter : public BenchChapter {
         study.scene = k_cornell;
         study.printed = PaperScene::cornell;
         IndirectBenchOptions& o = study.options;
-        o.frames = {1, quick ? 3 : 6};
+        o.frames = {1, quick || full ? 3 : 6};
         o.size = settings_.size();
         o.threads = settings_.threads;
         o.spp = quick ? 256 : 4096;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "area_light/area_visibility.h"
+#include "area_light/cell_places.h"
 #include "base/clocks.h"
 #include "base/random.h"
 #include "bench/core/bench_points.h"
@@ -32,9 +32,9 @@ struct NamedLight {
 AreaLight square(const glm::vec3& centre, const glm::vec3& direction, float side, bool dynamic)
 {
     AreaLight light;
-    light.polygon.corner = square_corners(centre, direction, side);
-    light.polygon.corners = 4;
-    light.polygon.normal = direction;
+    light.shape.outline.corner = square_corners(centre, direction, side);
+    light.shape.outline.corners = 4;
+    light.shape.outline.normal = direction;
     light.dynamic = dynamic;
     return light;
 }
@@ -57,23 +57,24 @@ std::vector<NamedLight> lights_of(const scene::SceneState& state, scene::SizedLi
     int number = 0;
     for (const scene::SizedLight& light : sized.lights()) {
         ++number;
-        if (!light.is_polygon()) continue;
-        const scene::SizedFace& face = light.faces.front();
-        AreaLight area;
-        area.polygon = {face.corner, face.corners, face.normal};
-        area.two_sided = face.two_sided;
-        area.dynamic = light.dynamic;
-        lights.push_back({fmt::format("emissive polygon {}", number), area});
+        if (!light.is_flat()) continue;
+        lights.push_back({fmt::format("emissive {} {}", light.faces.size() > 1 ? "figure" : "polygon", number),
+                          area_light::area_light_of(light)});
     }
     return lights;
 }
 
-// Stratified places of a polygon: uniform in area over its two triangles.
-std::vector<glm::vec3> places_of(const area_light::LightPolygon& polygon, int count, std::uint64_t seed)
+float area_of(const area_light::LightPolygon& polygon)
 {
-    Random random(seed);
-    std::vector<glm::vec3> places;
-    const auto side = static_cast<int>(std::lround(std::sqrt(count)));
+    const glm::vec3 &a = polygon.corner[0], &b = polygon.corner[1], &c = polygon.corner[2],
+                    &d = polygon.corner[static_cast<std::size_t>(polygon.corners - 1)];
+    return 0.5f * (glm::length(glm::cross(b - a, c - a)) + glm::length(glm::cross(c - a, d - a)));
+}
+
+// Adds stratified places of a polygon: uniform in area over its two triangles.
+void add_places(const area_light::LightPolygon& polygon, int count, Random& random, std::vector<glm::vec3>& places)
+{
+    const auto side = std::max(1, static_cast<int>(std::lround(std::sqrt(count))));
     const glm::vec3 &a = polygon.corner[0], &b = polygon.corner[1], &c = polygon.corner[2],
                     &d = polygon.corner[static_cast<std::size_t>(polygon.corners - 1)];
     const float first = glm::length(glm::cross(b - a, c - a)), second = glm::length(glm::cross(c - a, d - a));
@@ -88,6 +89,25 @@ std::vector<glm::vec3> places_of(const area_light::LightPolygon& polygon, int co
             const glm::vec3 &q = one ? b : c, &r = one ? c : d;
             places.push_back((1 - root) * a + root * (1 - v) * q + root * v * r);
         }
+}
+
+// About so many places of a light.
+std::vector<glm::vec3> places_of(const area_light::FlatLight& light, int count, std::uint64_t seed)
+{
+    Random random(seed);
+    std::vector<glm::vec3> places;
+    if (light.faces.empty()) {
+        add_places(light.outline, count, random, places);
+        return places;
+    }
+    double all = 0, sum = 0;
+    for (const area_light::LightPolygon& face : light.faces) all += static_cast<double>(area_of(face));
+    for (const area_light::LightPolygon& face : light.faces) {
+        const auto before = static_cast<int>(std::lround(sum / all * count));
+        sum += static_cast<double>(area_of(face));
+        const int here = static_cast<int>(std::lround(sum / all * count)) - before;
+        if (here > 0) add_places(face, here, random, places);
+    }
     return places;
 }
 
@@ -220,7 +240,7 @@ class LightsBench {
     // The points that face the light, and that it faces.
     void find_asked(std::size_t l)
     {
-        const area_light::LightPolygon& polygon = lights_[l].light.polygon;
+        const area_light::LightPolygon& polygon = lights_[l].light.shape.outline;
         asked_.assign(tiles_.size(), {});
         count_ = 0;
         for (std::size_t t = 0; t < tiles_.size(); ++t)
@@ -277,7 +297,7 @@ class LightsBench {
     {
         LightSums& sum = sums_[l];
         Random random(seed);
-        const std::vector<glm::vec3> targets = places_of(lights_[l].light.polygon, k_targets, 2);
+        const std::vector<glm::vec3> targets = places_of(lights_[l].light.shape, k_targets, 2);
         for (std::size_t t = 0; t < tiles_.size(); ++t)
             for (std::size_t k = 0; k < asked_[t].size(); ++k) {
                 const ShadowPoint& p = tiles_[t][asked_[t][k]];
@@ -286,7 +306,7 @@ class LightsBench {
                 sum.penumbra += part == PartState::listed, sum.unproven += part == PartState::open;
                 if (part != PartState::lit && part != PartState::dark) continue;
                 for (int s = 0; s < options_.check; ++s) {
-                    const glm::vec3 way = targets[random.below(k_targets)] - p.origin;
+                    const glm::vec3 way = targets[random.below(static_cast<std::uint32_t>(targets.size()))] - p.origin;
                     if (!(glm::dot(way, p.normal) > 0)) continue;
                     ++sum.segments;
                     sum.wrong += rays_.occluded_single(p.origin, 0, way, ray::k_shadow_ray_end,
@@ -298,15 +318,15 @@ class LightsBench {
     // Compares some of the points with the truth, and the opponents with both.
     void compare(std::size_t l)
     {
-        const area_light::LightPolygon& polygon = lights_[l].light.polygon;
+        const area_light::LightPolygon& polygon = lights_[l].light.shape.outline;
         glm::vec3 centre(0);
         for (int k = 0; k < polygon.corners; ++k)
             centre += polygon.corner[static_cast<std::size_t>(k)] / static_cast<float>(polygon.corners);
         const std::size_t stride = std::max<std::size_t>(1, count_ / static_cast<std::size_t>(options_.truth_points));
         std::vector<const ShadowPoint*> compared;
         std::vector<double> truth;
-        RayShares one(rays_, polygon, places_of(polygon, k_truth, 3)),
-            two(rays_, polygon, places_of(polygon, k_truth, 4));
+        RayShares one(rays_, polygon, places_of(lights_[l].light.shape, k_truth, 3)),
+            two(rays_, polygon, places_of(lights_[l].light.shape, k_truth, 4));
         std::size_t number = 0;
         for (std::size_t t = 0; t < tiles_.size(); ++t)
             for (const std::uint32_t asked : asked_[t]) {
@@ -325,7 +345,7 @@ class LightsBench {
                 sums_[l].error.add(static_cast<double>(shares_[at]) - truth.back());
             }
         for (std::size_t s = 0; s < options_.samples.size(); ++s) {
-            RayShares opponent(rays_, polygon, places_of(polygon, options_.samples[s], 5));
+            RayShares opponent(rays_, polygon, places_of(lights_[l].light.shape, options_.samples[s], 5));
             for (std::size_t k = 0; k < compared.size(); ++k)
                 opponent_errors_[s].add(opponent.share(*compared[k]) - truth[k]);
             opponent_ms_[s] += milliseconds_of([&] {

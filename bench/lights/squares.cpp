@@ -7,7 +7,7 @@ namespace gnomon::bench {
 
 namespace {
 
-// Where the light of a light without falloff (AFF) is as strong as that of its square, as a fraction of the scene's
+// Where a light without falloff (AFF) is as strong as its square, as a fraction of the scene's
 // diagonal.
 constexpr float k_alike = 0.25f;
 

@@ -38,10 +38,16 @@ struct InstanceOptions {
     Box reach{};
 };
 
+/// The parts that make a light with size: an instance, and its material, whose emission is the light's.
+struct AreaLightParts {
+    InstanceId instance{};
+    MaterialId material{};
+};
+
 /// Options of SceneBuilder::finish(): what it adds to the parts.
 struct FinishOptions {
-    /// Add the light that load() adds to files without lights and emissive surfaces, with a warning: a sky and a sun, or
-    /// a light below the ceiling of a room.
+    /// Add the light that load() adds to files without lights and emissive surfaces, with a warning: a sky and a sun,
+    /// or a light below the ceiling of a room.
     bool default_light = false;
     /// Add the camera that load() adds to files without any: it shows the whole scene.
     bool default_camera = false;
@@ -86,6 +92,12 @@ class SceneBuilder {
     /// Adds a light and the node that carries it.
     /// @param transform  of its node to the parent's space
     LightId light(const Light& light, const Transform& transform = {}, const NodeOptions& options = {});
+    /// Adds a light with size, as a mesh with an emissive material and an instance of it. A disc is a polygon of 32
+    /// corners, a sphere a mesh of 320 triangles, both of the exact shape's area. To dim the light, change the
+    /// material: by set_material(), or frame by frame in FrameInput.
+    /// @param transform  of its node to the parent's space
+    AreaLightParts area_light(const AreaLight& light, const Transform& transform = {},
+                              const InstanceOptions& options = {});
     /// Adds a camera and the node that carries it. Camera::transform becomes its node's.
     CameraId camera(const Camera& camera, const NodeOptions& options = {});
 

@@ -147,6 +147,20 @@ struct Light {
     friend bool operator==(const Light&, const Light&) = default;
 };
 
+/// The shape of a light with size, around its node's origin: a rectangle or a disc across the node's Z axis, or a
+/// sphere.
+enum class AreaLightShape : std::uint8_t { rectangle, disc, sphere };
+
+/// A light with size: a surface of one radiance, which cameras and mirrors see as well.
+struct AreaLight {
+    std::string name{};
+    AreaLightShape shape = AreaLightShape::rectangle;
+    float width = 1, height = 1;   // metres along X and Y; of a disc and a sphere, `width` is the diameter
+    Vec3 radiance{1, 1, 1};        // nits
+    bool two_sided = false;        // rectangle and disc: it emits along +Z, too; otherwise along -Z alone
+    friend bool operator==(const AreaLight&, const AreaLight&) = default;
+};
+
 /// Focal lengths and principal point in pixels, as cameras are calibrated. Pixel centres are at (0.5, 0.5) from the top
 /// left corner.
 struct Intrinsics {

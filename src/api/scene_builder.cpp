@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "api/area_light_shape.h"
 #include "api/convert.h"
 #include "api/environment.h"
 #include "api/scene_access.h"
@@ -198,6 +199,27 @@ LightId SceneBuilder::light(const Light& light, const Transform& transform, cons
         in.stamps.lights.renew(in.scene.lights.size() - 1);
         return in.stamps.lights.id<LightId>(in.scene.lights.size() - 1);
     });
+}
+
+AreaLightParts SceneBuilder::area_light(const AreaLight& light, const Transform& transform,
+                                        const InstanceOptions& options)
+{
+    const api::LightShape shape = with_memory([&] { return api::shape_of(light); });
+    const MaterialId emission = material({.name = light.name,
+                                          .base_color = {0, 0, 0},
+                                          .double_sided = light.two_sided && light.shape != AreaLightShape::sphere,
+                                          .emissive = light.radiance});
+    MeshId made;
+    try {
+        made = mesh(
+            {.positions = shape.positions, .indices = shape.indices, .normals = shape.normals, .name = light.name});
+        return {instance(made, emission, transform, options), emission};
+    } catch (...) {
+        // Leave the builder as it was.
+        if (made) remove(made);
+        remove(emission);
+        throw;
+    }
 }
 
 CameraId SceneBuilder::camera(const Camera& camera, const NodeOptions& options)

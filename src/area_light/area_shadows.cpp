@@ -30,26 +30,35 @@ double diameter_of(const LightPolygon& light)
     return most;
 }
 
-// The parts of every level that contain a point. Each is the parent of the next, however the coordinates round.
-struct PartPath {
-    std::array<MicroTriangle, 16> at;
+// The finest part that contains a point, from which those of all levels follow.
+MicroTriangle finest_part(float u, float v, int levels)
+{
+    const auto level = static_cast<std::uint32_t>(levels);
+    return micro_at(micro_index_at(u, v, level), level);
+}
 
-    PartPath(float u, float v, int levels)
-    {
-        auto level = static_cast<std::size_t>(levels);
-        at[level] =
-            micro_at(micro_index_at(u, v, static_cast<std::uint32_t>(levels)), static_cast<std::uint32_t>(levels));
-        for (; level > 0; --level) at[level - 1] = parent_of(at[level]);
+// A point in the middle of what of a part lies before the light. A segment that began behind the light would tell
+// nothing about those from before it.
+glm::dvec3 centre_before(const AreaShaft& shaft, const glm::dvec3 (&corner)[3])
+{
+    glm::dvec3 sum(0);
+    int count = 0;
+    for (int c = 0; c < 3; ++c) {
+        const glm::dvec3 &a = corner[c], &b = corner[(c + 1) % 3];
+        const double at_a = shaft.light_height(a), at_b = shaft.light_height(b);
+        if (at_a > 0) sum += a, ++count;
+        if ((at_a > 0) != (at_b > 0)) sum += a + at_a / (at_a - at_b) * (b - a), ++count;
     }
-    // Which quarter of the part of this level the next one is, in the order of children_of().
-    std::size_t quarter(std::size_t level) const
-    {
-        const MicroTriangle& next = at[level + 1];
-        if (next.upper != at[level].upper) return 3;
-        const std::size_t i = next.i & 1, j = next.j & 1;
-        return next.upper ? (1 - i) + 2 * (1 - j) : i + 2 * j;
-    }
-};
+    return sum / static_cast<double>(std::max(count, 1));
+}
+
+// Which quarter of a part another one is, in the order of children_of().
+std::size_t quarter_of(const MicroTriangle& part, const MicroTriangle& next)
+{
+    if (next.upper != part.upper) return 3;
+    const std::size_t i = next.i & 1, j = next.j & 1;
+    return next.upper ? (1 - i) + 2 * (1 - j) : i + 2 * j;
+}
 
 }   // namespace
 
@@ -67,11 +76,11 @@ struct AreaShadows::Shard {
     AreaCounters counters;
 };
 
-AreaShadows::AreaShadows(const StaticTriangles& triangles, const LightPolygon& light, const AreaOptions& options)
+AreaShadows::AreaShadows(const StaticTriangles& triangles, const FlatLight& light, const AreaOptions& options)
     : triangles_(triangles),
       places_(light),
       options_(options),
-      diameter_(diameter_of(light)),
+      diameter_(diameter_of(light.outline)),
       roots_(std::make_unique<std::atomic<Node*>[]>(2 * triangles.size())),
       shards_(std::make_unique<Shard[]>(k_shards))
 {
@@ -112,7 +121,6 @@ AreaShadows::Verdict AreaShadows::judge(TriangleId triangle, bool front, const M
     }
 
     // Find what may meet the shaft.
-    bool masked = false;
     const auto take = [&](TriangleId id) {
         const StaticTriangles::Role role = triangles_.role(id);
         if (id == triangle || role == StaticTriangles::Role::transparent) return;
@@ -135,11 +143,13 @@ AreaShadows::Verdict AreaShadows::judge(TriangleId triangle, bool front, const M
         verdict.divides = true;
         return verdict;
     }
-    std::erase_if(verdict.list, [&](TriangleId id) {
+    const auto outside = [&](TriangleId id) {
         ClippedTriangle inside;
         return !shaft.clip(triangles_[id], inside);
-    });
-    for (const TriangleId id : verdict.list) masked = masked || triangles_.role(id) == StaticTriangles::Role::masked;
+    };
+    // One triangle inside is enough to know that it is not lit. Few others are outside.
+    const bool smaller = divides();
+    if (std::all_of(verdict.list.begin(), verdict.list.end(), outside)) verdict.list.clear();
     if (verdict.list.empty()) {
         verdict.state = PartState::lit;
         return verdict;
@@ -147,9 +157,7 @@ AreaShadows::Verdict AreaShadows::judge(TriangleId triangle, bool front, const M
     std::sort(verdict.list.begin(), verdict.list.end());
 
     // Try to prove that all of it is hidden.
-    glm::dvec3 centre(0), target(0);
-    for (const glm::dvec3& c : corner) centre += c / 3.0;
-    centre += lift * normal;
+    glm::dvec3 centre = centre_before(shaft, corner) + lift * normal, target(0);
     for (int k = 0; k < above.count; ++k) target += above.corner[static_cast<std::size_t>(k)] / double(above.count);
     target = centre + static_cast<double>(ray::k_shadow_ray_end) * (target - centre);
     int tried = 0;
@@ -165,32 +173,41 @@ AreaShadows::Verdict AreaShadows::judge(TriangleId triangle, bool front, const M
     }
 
     // Divide it if smaller parts may know more.
-    if (divides()) {
+    if (smaller) {
         verdict.divides = true;
         return verdict;
     }
-    verdict.state = masked || verdict.list.size() > options_.longest_list ? PartState::open : PartState::listed;
+    verdict.state = verdict.list.size() > options_.longest_list ? PartState::open : PartState::listed;
     if (verdict.state == PartState::open) verdict.list.clear();
     return verdict;
 }
 
-Part AreaShadows::part_at(TriangleId triangle, bool front, float u, float v)
+Part AreaShadows::part_at(TriangleId triangle, bool front, float u, float v, LastPart& last)
 {
     const std::size_t record = 2 * std::size_t{triangle} + (front ? 1 : 0);
     Node* node = roots_[record].load(std::memory_order_acquire);
     if (node && node->kind.load(std::memory_order_acquire) == Node::Kind::decided)
         return {node->state, node->list.get()};
-    const PartPath path(u, v, options_.most_levels);
+    const auto finest_level = static_cast<std::uint32_t>(options_.most_levels);
+    const MicroTriangle finest = finest_part(u, v, options_.most_levels);
+    if (last.owner == this && last.record == record && ancestor_of(finest, finest_level - last.level) == last.place)
+        return last.part;
     const std::vector<TriangleId>* from = nullptr;
+    MicroTriangle here = ancestor_of(finest, finest_level);
     for (std::uint32_t level = 0;; ++level) {
         Node::Kind kind = node ? node->kind.load(std::memory_order_acquire) : Node::Kind::unknown;
         if (kind == Node::Kind::unknown) {
-            node = judge_node(record, node, triangle, front, path.at[level], level, from);
+            node = judge_node(record, node, triangle, front, here, level, from);
             kind = node->kind.load(std::memory_order_acquire);
         }
-        if (kind == Node::Kind::decided) return {node->state, node->list.get()};
+        if (kind == Node::Kind::decided) {
+            last = {this, record, level, here, {node->state, node->list.get()}};
+            return last.part;
+        }
         if (node->list) from = node->list.get();
-        node = node->quarters + path.quarter(level);
+        const MicroTriangle next = ancestor_of(finest, finest_level - level - 1);
+        node = node->quarters + quarter_of(here, next);
+        here = next;
     }
 }
 
@@ -233,11 +250,13 @@ AreaShadows::Node* AreaShadows::judge_node(std::size_t record, Node* node, Trian
 
 Part AreaShadows::judged_anew(TriangleId triangle, bool front, float u, float v, std::vector<TriangleId>& list) const
 {
-    const PartPath path(u, v, options_.most_levels);
+    const auto finest_level = static_cast<std::uint32_t>(options_.most_levels);
+    const MicroTriangle finest = finest_part(u, v, options_.most_levels);
     std::vector<TriangleId> from;
     bool handed_down = false;
     for (std::uint32_t level = 0;; ++level) {
-        Verdict verdict = judge(triangle, front, path.at[level], level, handed_down ? &from : nullptr);
+        Verdict verdict =
+            judge(triangle, front, ancestor_of(finest, finest_level - level), level, handed_down ? &from : nullptr);
         if (!verdict.divides) {
             list = std::move(verdict.list);
             return {verdict.state, verdict.state == PartState::listed ? &list : nullptr};

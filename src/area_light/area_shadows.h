@@ -6,14 +6,15 @@
 //   lit       no static triangle meets the shaft from the part to the light: all of it is visible
 //   dark      one closed patch of static triangles lies between them (dark_proof.h): nothing of it is visible
 //   listed    the static triangles that meet the shaft are remembered; what each point sees follows from them alone
-//   open      there are too many of them, or one whose holes only rays know: rays decide
+//   open      there are too many of them: rays decide
 //
 // A triangle is divided into quarters, and these again, where the light is partly hidden and smaller parts know more.
 // How far depends on the geometry alone, not on the view, and so does what is remembered; a point's answer is therefore
 // the same in whatever order points are asked, and whatever has been forgotten. A part is judged when a point in it is
 // asked for the first time.
 //
-// Masked triangles (with holes by alpha) make a part open. Dynamic objects are not regarded here.
+// Masked triangles (with holes by alpha) are listed like others; only rays know their holes. Dynamic objects are not
+// regarded here.
 // Cost: a look-up per point; for a listed part, the triangles of its list (blocked_places.h); some microseconds for
 // each part that is judged. Memory: 16 bytes for each static triangle, 128 for each divided part,
 // 4 for each listed triangle.
@@ -58,14 +59,27 @@ struct Part {
 class AreaShadows {
  public:
     /// @param triangles  kept by reference
-    AreaShadows(const visibility::StaticTriangles& triangles, const LightPolygon& light,
-                const AreaOptions& options = {});
+    AreaShadows(const visibility::StaticTriangles& triangles, const FlatLight& light, const AreaOptions& options = {});
     ~AreaShadows();
 
     const LightPlaces& places() const { return places_; }
+    /// A part that was found, which most often contains the next point as well.
+    struct LastPart {
+        const AreaShadows* owner = nullptr;
+        std::size_t record = 0;
+        std::uint32_t level = 0;
+        MicroTriangle place;
+        Part part;
+    };
     /// The part of a static triangle that contains (u, v), on one side. Thread-safe. What it returns stays valid.
     /// @param front  the side that the triangle's corners run around counter-clockwise
-    Part part_at(visibility::TriangleId triangle, bool front, float u, float v);
+    /// @param last   of the call before; one per thread
+    Part part_at(visibility::TriangleId triangle, bool front, float u, float v, LastPart& last);
+    Part part_at(visibility::TriangleId triangle, bool front, float u, float v)
+    {
+        LastPart last;
+        return part_at(triangle, front, u, v, last);
+    }
     /// The same, judged anew: remembers nothing. The reference.
     Part judged_anew(visibility::TriangleId triangle, bool front, float u, float v,
                      std::vector<visibility::TriangleId>& list) const;

@@ -79,25 +79,18 @@ void AreaShaft::add_side(const glm::dvec3& a, const glm::dvec3& b, std::span<con
     if (best_width >= 0) planes_[count_++] = best;
 }
 
-// The least value of a plane's function inside the shaft, enlarged for a coordinate of this size.
-double AreaShaft::least(std::size_t plane, double coordinate) const
-{
-    if (plane == 0) return lift_ - rules_.room * lift_for(coordinate);
-    return -margin_for(coordinate);
-}
-
 bool AreaShaft::may_meet(const glm::vec3& box_low, const glm::vec3& box_high) const
 {
     const glm::dvec3 corner[2] = {glm::dvec3(box_low), glm::dvec3(box_high)};
     const glm::dvec3 reach = glm::max(glm::abs(corner[0]), glm::abs(corner[1]));
     const double coordinate = std::max({reach.x, reach.y, reach.z});
-    const double wide = margin_for(coordinate) + lift_;
+    const double margin = margin_for(coordinate), base = base_for(coordinate), wide = margin + lift_;
     for (int axis = 0; axis < 3; ++axis)
         if (corner[0][axis] > high_[axis] + wide || corner[1][axis] < low_[axis] - wide) return false;
     for (std::size_t k = 0; k < count_; ++k) {
         const std::array<std::uint8_t, 3>& end = furthest_[k];
         const glm::dvec3 q(corner[end[0]].x, corner[end[1]].y, corner[end[2]].z);
-        if (planes_[k].at(q) < least(k, coordinate)) return false;
+        if (planes_[k].at(q) < (k == 0 ? base : -margin)) return false;
     }
     return true;
 }
@@ -106,8 +99,9 @@ bool AreaShaft::may_meet(const visibility::StaticTriangle& triangle) const
 {
     const double coordinate = static_cast<double>(visibility::largest_coordinate(triangle));
     const glm::dvec3 p[3] = {glm::dvec3(triangle.p[0]), glm::dvec3(triangle.p[1]), glm::dvec3(triangle.p[2])};
+    const double margin = margin_for(coordinate), base = base_for(coordinate);
     for (std::size_t k = 0; k < count_; ++k) {
-        const double from = least(k, coordinate);
+        const double from = k == 0 ? base : -margin;
         if (planes_[k].at(p[0]) < from && planes_[k].at(p[1]) < from && planes_[k].at(p[2]) < from) return false;
     }
     // All of piece and light may lie on one side of the triangle's plane.
@@ -115,7 +109,7 @@ bool AreaShaft::may_meet(const visibility::StaticTriangle& triangle) const
     const double length = glm::length(n);
     if (!(length > 0)) return true;
     n /= length;
-    const double room = margin_for(coordinate) + lift_;
+    const double room = margin + lift_;
     int above = 0, below = 0;
     for (std::size_t k = 0; k < hull_count_; ++k) {
         const double at = glm::dot(n, hull_[k] - p[0]);
@@ -132,8 +126,9 @@ bool AreaShaft::clip(const visibility::StaticTriangle& triangle, ClippedTriangle
     for (std::size_t c = 0; c < 3; ++c) now->corner[c] = glm::dvec3(triangle.p[c]);
     now->count = 3;
     // One plane after the other [Sutherland and Hodgman 1974].
+    const double margin = margin_for(coordinate), base = base_for(coordinate);
     for (std::size_t k = 0; k < count_; ++k) {
-        const double from = least(k, coordinate);
+        const double from = k == 0 ? base : -margin;
         next->count = 0;
         const glm::dvec3* before = &now->corner[static_cast<std::size_t>(now->count - 1)];
         double before_at = planes_[k].at(*before) - from;
@@ -156,8 +151,9 @@ bool AreaShaft::clip(const visibility::StaticTriangle& triangle, ClippedTriangle
 bool AreaShaft::meets_segment(const glm::dvec3& a, const glm::dvec3& b, double coordinate) const
 {
     double first = 0, last = 1;
+    const double margin = margin_for(coordinate), base = base_for(coordinate);
     for (std::size_t k = 0; k < count_; ++k) {
-        const double from = least(k, coordinate);
+        const double from = k == 0 ? base : -margin;
         const double at_a = planes_[k].at(a) - from, at_b = planes_[k].at(b) - from;
         if (at_a < 0 && at_b < 0) return false;
         if (at_a < 0)

@@ -57,8 +57,9 @@ class AreaShaft {
     /// Whether a segment has a point inside the shaft, enlarged for a coordinate of this size.
     bool meets_segment(const glm::dvec3& a, const glm::dvec3& b, double coordinate) const;
     double height(const glm::dvec3& x) const { return planes_[0].at(x); }
-    /// How far below the light the shaft ends.
-    double end_gap() const { return end_gap_; }
+    /// How far below the light the segments end from the highest points of the piece. (The shaft ends where those from
+    /// the lowest do.)
+    double most_end_gap() const { return (1 - static_cast<double>(ray::k_shadow_ray_end)) * most_height_; }
     /// Height over the light's plane, on its emitting side.
     double light_height(const glm::dvec3& x) const { return light_plane_.at(x); }
     double lift_for(double coordinate) const { return std::max(lift_, k_lift * coordinate); }
@@ -69,7 +70,8 @@ class AreaShaft {
     static constexpr std::size_t k_most_planes = 2 + 3 + 8;
 
     void add_side(const glm::dvec3& a, const glm::dvec3& b, std::span<const glm::dvec3> far);
-    double least(std::size_t plane, double coordinate) const;
+    // The least height over the piece inside the shaft, enlarged for a coordinate of this size.
+    double base_for(double coordinate) const { return lift_ - rules_.room * lift_for(coordinate); }
 
     ShaftRules rules_;
     double lift_ = 0, end_gap_ = 0, most_height_ = 0;

@@ -21,6 +21,13 @@ bool same_bits(const LightPolygon& a, const LightPolygon& b)
            std::memcmp(&a.normal, &b.normal, sizeof a.normal) == 0;
 }
 
+bool same_bits(const FlatLight& a, const FlatLight& b)
+{
+    return same_bits(a.outline, b.outline) &&
+           std::equal(a.faces.begin(), a.faces.end(), b.faces.begin(), b.faces.end(),
+                      [](const LightPolygon& x, const LightPolygon& y) { return same_bits(x, y); });
+}
+
 LightPolygon turned(const LightPolygon& polygon)
 {
     LightPolygon back = polygon;
@@ -28,6 +35,13 @@ LightPolygon turned(const LightPolygon& polygon)
     for (auto k = static_cast<std::size_t>(back.corners); k < back.corner.size(); ++k)
         back.corner[k] = back.corner[static_cast<std::size_t>(back.corners - 1)];
     back.normal = -back.normal;
+    return back;
+}
+
+FlatLight turned(const FlatLight& light)
+{
+    FlatLight back(turned(light.outline));
+    for (const LightPolygon& face : light.faces) back.faces.push_back(turned(face));
     return back;
 }
 
@@ -43,8 +57,8 @@ Box3 box_of(const LightPolygon& polygon)
 struct AreaVisibility::Side {
     AreaShadows shadows;
     LightCells cells;
-    Side(const visibility::StaticTriangles& triangles, const LightPolygon& polygon, const AreaOptions& options)
-        : shadows(triangles, polygon, options), cells(shadows.places())
+    Side(const visibility::StaticTriangles& triangles, const FlatLight& light, const AreaOptions& options)
+        : shadows(triangles, light, options), cells(shadows.places())
     {
     }
 };
@@ -59,12 +73,14 @@ void VisibilityCounters::add(const VisibilityCounters& other)
 {
     for (std::size_t k = 0; k < std::size(points); ++k) points[k] += other.points[k];
     rays += other.rays, dynamic_rays += other.dynamic_rays, triangles += other.triangles;
+    dynamic_triangles += other.dynamic_triangles;
 }
 
 AreaVisibility::AreaVisibility(const scene::SceneState& state, const ray::RayScene& rays, const AreaOptions& options)
     : options_(options),
       rays_(&rays),
       triangles_(std::make_unique<visibility::StaticTriangles>(state, rays)),
+      pairs_(std::make_unique<PlanarPairs>(*triangles_)),
       dynamic_(std::make_unique<visibility::DynamicBounds>(state, rays))
 {
 }
@@ -79,18 +95,20 @@ void AreaVisibility::follow(const scene::SceneState& state, const ray::RayScene&
     if (!changes.promoted.empty()) {
         lights_.clear();
         triangles_ = std::make_unique<visibility::StaticTriangles>(state, rays);
+        pairs_ = std::make_unique<PlanarPairs>(*triangles_);
         dynamic_ = std::make_unique<visibility::DynamicBounds>(state, rays);
     } else {
         triangles_->follow(state.scene());
         dynamic_->update(state, rays);
     }
+    dynamic_triangles_.follow(state, rays, *dynamic_);
     // Keep what is known of lights that are the same.
     std::vector<std::unique_ptr<Light>> before = std::exchange(lights_, {});
     std::size_t next = 0;
     for (const AreaLight& light : lights) {
         const auto same = [&](const std::unique_ptr<Light>& old) {
             return old && old->light.two_sided == light.two_sided && old->light.dynamic == light.dynamic &&
-                   same_bits(old->light.polygon, light.polygon);
+                   same_bits(old->light.shape, light.shape);
         };
         // Most often all are, and in the same order.
         auto at = next < before.size() && same(before[next]) ? before.begin() + static_cast<std::ptrdiff_t>(next)
@@ -100,9 +118,9 @@ void AreaVisibility::follow(const scene::SceneState& state, const ray::RayScene&
             lights_.push_back(std::move(*at));
             continue;
         }
-        auto made = std::make_unique<Light>(Light{light, box_of(light.polygon), nullptr, nullptr});
-        made->front = std::make_unique<Side>(*triangles_, light.polygon, options_);
-        if (light.two_sided) made->back = std::make_unique<Side>(*triangles_, turned(light.polygon), options_);
+        auto made = std::make_unique<Light>(Light{light, box_of(light.shape.outline), nullptr, nullptr});
+        made->front = std::make_unique<Side>(*triangles_, light.shape, options_);
+        if (light.two_sided) made->back = std::make_unique<Side>(*triangles_, turned(light.shape), options_);
         lights_.push_back(std::move(made));
     }
 }
@@ -126,19 +144,28 @@ class AreaVisibility::Query {
         answers.state.assign(asked.size(), PartState::open);
         answers.cells.clear();
         scratch.all_rays.clear(), scratch.dynamic_rays.clear();
-        scratch.listed = nullptr;   // lists may have moved since the last call
-        // Find the dynamic objects that may lie between any of the points and the light.
+        scratch.listed.clear();
+        // Find the dynamic objects that may lie between any of the points and the light, and their triangles.
         Box3 box;
         for (const std::uint32_t p : asked) box.add(points[p].origin);
-        scratch.blockers.clear();
-        if (!box.empty()) owner.dynamic_->select(box, light.box, scratch.blockers);
+        scratch.blockers.clear(), scratch.boxes.clear(), scratch.dynamic.clear();
+        if (!box.empty()) owner.dynamic_->select(box, light.box, scratch.boxes);
+        for (const std::uint32_t index : scratch.boxes) {
+            const visibility::DynamicTriangles::Blocker& blocker = owner.dynamic_triangles_.of(index);
+            scratch.blockers.push_back({owner.dynamic_->box(index), &blocker});
+            for (const visibility::StaticTriangle& triangle : blocker.triangles) {
+                Box3 corners;
+                for (const glm::vec3& p : triangle.p) corners.add(p);
+                if (visibility::may_shadow(corners, box, light.box)) scratch.dynamic.push_back({corners, &triangle});
+            }
+        }
     }
 
     // Looks up what static objects hide from a point, and notes it where rays must decide.
     void look_up(std::uint32_t k)
     {
         const ShadowPoint& p = points_[asked_[k]];
-        const LightPolygon& polygon = light_.light.polygon;
+        const LightPolygon& polygon = light_.light.shape.outline;
         const bool behind = glm::dot(polygon.normal, p.origin - polygon.corner[0]) < 0;
         if (behind && !light_.back) return;
         Side& side = behind ? *light_.back : *light_.front;
@@ -147,7 +174,7 @@ class AreaVisibility::Query {
             p.object == scene::none ? visibility::no_triangle : owner_.triangles_->first_of(p.object);
         Part part;
         if (!light_.light.dynamic && first != visibility::no_triangle) {
-            part = side.shadows.part_at(first + p.triangle, p.front, p.u, p.v);
+            part = side.shadows.part_at(first + p.triangle, p.front, p.u, p.v, last_);
             ++scratch_.counters.points[static_cast<std::size_t>(part.state)];
         }
         answers_.state[k] = part.state;
@@ -161,14 +188,28 @@ class AreaVisibility::Query {
                 return;
             case PartState::lit:
                 answers_.answer[k] = Answer::lit;
-                break;
+                if (meets_dynamic(p)) scratch_.listed.push_back({nullptr, k});
+                return;
             case PartState::listed:
-                if (!look_through(k, side, *part.list)) return;
-                break;
+                scratch_.listed.push_back({part.list, k});
+                return;
         }
-        if (scratch_.blockers.empty() || !may_meet_dynamic(p)) return;
-        if (answers_.answer[k] == Answer::lit) set_all_visible(k, side);
-        scratch_.dynamic_rays.push_back(k);
+    }
+
+    // Looks through the lists, each of them for all of its points in turn.
+    void look_through_lists()
+    {
+        auto& listed = scratch_.listed;
+        std::sort(listed.begin(), listed.end(), [](const auto& a, const auto& b) {
+            return a.list != b.list ? std::less<>()(a.list, b.list) : a.asked < b.asked;
+        });
+        for (std::size_t first = 0, last = 0; first < listed.size(); first = last) {
+            constexpr std::size_t k_group = 64;   // points, beyond which fewer dynamic triangles are near all of them
+            while (last < listed.size() && last < first + k_group && listed[last].list == listed[first].list) ++last;
+            look_through({listed.data() + first, last - first});
+            if (scratch_.queue.size() >= k_rays_at_once) flush(ray::Against::static_only, scratch_.counters.rays);
+        }
+        flush(ray::Against::static_only, scratch_.counters.rays);
     }
 
     // Traces rays from points to the cells that are visible so far, and clears those that are hidden.
@@ -182,8 +223,7 @@ class AreaVisibility::Query {
                 if (visible[static_cast<std::size_t>(c)] == 0) continue;
                 const glm::vec3 way = side.cells.position(c) - p.origin;
                 if (!(glm::dot(way, p.normal) > 0)) continue;   // it brings nothing
-                scratch_.queue.push(p.origin, 0, way, ray::k_shadow_ray_end);
-                scratch_.targets.push_back({answers_.at[k], static_cast<std::uint16_t>(c)});
+                push_ray(p, way, k, c, visible[static_cast<std::size_t>(c)]);
             }
             if (scratch_.queue.size() >= k_rays_at_once) flush(against, count);
         }
@@ -203,32 +243,93 @@ class AreaVisibility::Query {
         for (int c = 0; c < k_cells; ++c)
             cells[static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(side.cells.count(c));
     }
-    // @return  whether the point sees any of the light past the triangles of a list
-    bool look_through(std::uint32_t k, const Side& side, const std::vector<TriangleId>& list)
+    void gather(const std::vector<TriangleId>& list)
     {
-        if (scratch_.listed != &list) {
-            scratch_.list.clear();
-            for (const TriangleId id : list) scratch_.list.push((*owner_.triangles_)[id].p);
-            scratch_.list.pad();
-            scratch_.listed = &list;
-        }
-        scratch_.counters.triangles += scratch_.list.count;
-        const LightPlaces& places = side.shadows.places();
-        PlaceMask blocked{};
-        add_blocked(points_[asked_[k]].origin, scratch_.list, places, blocked);
-        VisibleCells cells;
-        const int visible = count_visible(places, blocked, cells);
-        if (visible == places.count())
-            answers_.answer[k] = Answer::lit;
-        else if (visible > 0)
-            make_partial(k) = cells;
-        return visible > 0;
+        scratch_.opaque_ids.clear();
+        for (const TriangleId id : list)
+            if (owner_.triangles_->role(id) == visibility::StaticTriangles::Role::opaque)
+                scratch_.opaque_ids.push_back(id);
+            else
+                scratch_.holed.push((*owner_.triangles_)[id].p);
+        owner_.pairs_->gather(*owner_.triangles_, scratch_.opaque_ids, scratch_.list);
+        scratch_.holed.pad();
     }
-    bool may_meet_dynamic(const ShadowPoint& p) const
+    // Notes rays to the cells with visible places behind triangles with holes, for a point.
+    // @return  whether there are any
+    bool ask_rays(std::uint32_t k, const Side& side, const PlaceMask& blocked, const PlaceMask& behind_holed,
+                  const VisibleCells& cells)
     {
-        return std::any_of(scratch_.blockers.begin(), scratch_.blockers.end(), [&](const Box3& blocker) {
-            return visibility::may_shadow(blocker, Box3{p.origin, p.origin}, light_.box);
-        });
+        const LightPlaces& places = side.shadows.places();
+        PlaceMask others;   // all but the visible places behind triangles with holes
+        for (std::size_t r = 0; r < others.size(); ++r) others[r] = blocked[r] | ~behind_holed[r];
+        VisibleCells doubtful;
+        if (count_visible(places, others, doubtful) == 0) return false;
+        make_partial(k) = cells;
+        const ShadowPoint& p = points_[asked_[k]];
+        for (int c = 0; c < k_cells; ++c) {
+            const std::uint8_t count = doubtful[static_cast<std::size_t>(c)];
+            const glm::vec3 way = side.cells.position(c) - p.origin;
+            if (count > 0 && glm::dot(way, p.normal) > 0) push_ray(p, way, k, c, count);
+        }
+        if (meets_unlisted(p)) scratch_.dynamic_rays.push_back(k);
+        return true;
+    }
+    void push_ray(const ShadowPoint& p, const glm::vec3& way, std::uint32_t k, int cell, std::uint8_t count)
+    {
+        scratch_.queue.push(p.origin, 0, way, ray::k_shadow_ray_end);
+        scratch_.targets.push_back({answers_.at[k], static_cast<std::uint16_t>(cell), count});
+    }
+    // Finds what a group of points sees past the triangles of one list and those of dynamic objects.
+    void look_through(std::span<const Scratch::Listed> group)
+    {
+        TriangleList &still = scratch_.list, &dynamic = scratch_.dynamic_list;
+        still.clear(), dynamic.clear(), scratch_.holed.clear();
+        if (group.front().list) gather(*group.front().list);
+        if (!scratch_.dynamic.empty()) {
+            Box3 box;
+            for (const auto& [list, k] : group) box.add(points_[asked_[k]].origin);
+            for (const auto& [corners, triangle] : scratch_.dynamic)
+                if (visibility::may_shadow(corners, box, light_.box)) dynamic.push(triangle->p);
+            dynamic.pad();
+        }
+        for (const auto& [list, k] : group) {
+            const ShadowPoint& p = points_[asked_[k]];
+            const Side& side = answers_.back[k] ? *light_.back : *light_.front;
+            const LightPlaces& places = side.shadows.places();
+            PlaceMask blocked{};
+            const bool hides = add_blocked(p.origin, still, places, blocked);
+            const bool moving_hides = add_blocked(p.origin, dynamic, places, blocked);
+            scratch_.counters.triangles += still.size() + scratch_.holed.size();
+            scratch_.counters.dynamic_triangles += dynamic.size();
+            PlaceMask behind_holed{};
+            const bool maybe = add_blocked(p.origin, scratch_.holed, places, behind_holed);
+            if (!hides && !moving_hides && !maybe && !meets_unlisted(p)) {
+                answers_.answer[k] = Answer::lit;
+                continue;
+            }
+            VisibleCells cells;
+            const int visible = count_visible(places, blocked, cells);
+            if (maybe && visible > 0 && ask_rays(k, side, blocked, behind_holed, cells)) continue;
+            const bool by_rays = visible > 0 && meets_unlisted(p);
+            answers_.answer[k] = visible == 0 ? Answer::dark : Answer::lit;
+            if (visible > 0 && (by_rays || visible < places.count())) make_partial(k) = cells;
+            if (by_rays) scratch_.dynamic_rays.push_back(k);
+        }
+    }
+    bool meets(const Scratch::Blocker& blocker, const ShadowPoint& p) const
+    {
+        return visibility::may_shadow(blocker.box, Box3{p.origin, p.origin}, light_.box);
+    }
+    bool meets_dynamic(const ShadowPoint& p) const
+    {
+        return std::any_of(scratch_.blockers.begin(), scratch_.blockers.end(),
+                           [&](const Scratch::Blocker& blocker) { return meets(blocker, p); });
+    }
+    // Whether a dynamic object may hide the light whose triangles are not listed.
+    bool meets_unlisted(const ShadowPoint& p) const
+    {
+        return std::any_of(scratch_.blockers.begin(), scratch_.blockers.end(),
+                           [&](const Scratch::Blocker& blocker) { return !blocker.of->listed && meets(blocker, p); });
     }
     void flush(ray::Against against, std::uint64_t& count)
     {
@@ -238,7 +339,8 @@ class AreaVisibility::Query {
         scratch_.occluded.resize(rays + ray::k_packet_pad);
         owner_.rays_->occluded(scratch_.queue, 0, rays, scratch_.occluded.data(), against);
         for (std::size_t r = 0; r < rays; ++r)
-            if (scratch_.occluded[r]) answers_.cells[scratch_.targets[r].cells][scratch_.targets[r].cell] = 0;
+            if (const Scratch::Target& target = scratch_.targets[r]; scratch_.occluded[r])
+                answers_.cells[target.cells][target.cell] -= target.places;
         scratch_.queue.clear(), scratch_.targets.clear();
     }
 
@@ -248,6 +350,7 @@ class AreaVisibility::Query {
     std::span<const std::uint32_t> asked_;
     const Light& light_;
     Answers& answers_;
+    AreaShadows::LastPart last_;
 };
 
 void AreaVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points, std::span<const std::uint32_t> asked,
@@ -255,6 +358,7 @@ void AreaVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points,
 {
     Query query(*this, scratch, points, asked, *lights_[light], answers);
     for (std::uint32_t k = 0; k < asked.size(); ++k) query.look_up(k);
+    query.look_through_lists();
     query.trace(scratch.all_rays, ray::Against::everything, scratch.counters.rays);
     query.trace(scratch.dynamic_rays, ray::Against::dynamic_only, scratch.counters.dynamic_rays);
 }
@@ -274,7 +378,7 @@ AreaCounters AreaVisibility::parts() const
 
 std::size_t AreaVisibility::bytes() const
 {
-    std::size_t bytes = triangles_->bytes();
+    std::size_t bytes = triangles_->bytes() + pairs_->bytes() + dynamic_triangles_.bytes();
     for (const auto& light : lights_)
         for (const Side* side : {light->front.get(), light->back.get()})
             if (side) bytes += side->shadows.bytes() + sizeof *side;

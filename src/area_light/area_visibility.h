@@ -3,10 +3,11 @@
 // What points of a frame see of planar lights, from remembered shadows of the static scene and rays against what moves.
 //
 // A light that rests keeps the shadows of static triangles (area_shadows.h) for as long as it keeps its shape. A point
-// in a lit part, or in a dark one, needs no ray; one in a listed part needs its list. Only where the segments from a
-// point to the light may meet a dynamic object are rays traced, against dynamic objects alone. Points on dynamic
-// objects and in open parts trace rays against static ones as well, and so do all points for a light that may move.
-// Rays go to the middle of each cell of places (visible_cells.h).
+// in a lit part, or in a dark one, needs no ray; one in a listed part needs its list. Where the segments from a point
+// to the light may meet a dynamic object, its triangles are listed, too; rays against dynamic objects alone decide
+// where such an object has holes or very many triangles. Points on dynamic objects and in open parts trace rays against
+// everything, and so do all points for a light that may move. Rays go to the middle of each cell of places
+// (visible_cells.h).
 //
 // The answer to a point does not depend on what was remembered, nor on the order of questions.
 
@@ -15,16 +16,17 @@
 #include <vector>
 
 #include "area_light/area_shadows.h"
+#include "area_light/planar_pairs.h"
 #include "area_light/visible_cells.h"
 #include "ray/ray_scene.h"
-#include "visibility/dynamic_bounds.h"
+#include "visibility/dynamic_triangles.h"
 #include "visibility/shadow_point.h"
 
 namespace gnomon::area_light {
 
 /// A light of a frame.
 struct AreaLight {
-    LightPolygon polygon;
+    FlatLight shape;
     bool two_sided = false;   // also emits at the back
     bool dynamic = false;     // may move: nothing is remembered
 };
@@ -33,7 +35,8 @@ struct VisibilityCounters {
     std::uint64_t points[5] = {};   // by PartState, of static points; without those of lights that may move
     std::uint64_t rays = 0;         // against static objects
     std::uint64_t dynamic_rays = 0;
-    std::uint64_t triangles = 0;   // tested for points in listed parts
+    std::uint64_t triangles = 0;           // of lists, tested for points
+    std::uint64_t dynamic_triangles = 0;   // the same, of dynamic objects
     void add(const VisibilityCounters& other);
 };
 
@@ -43,7 +46,7 @@ class AreaVisibility {
     ~AreaVisibility();
 
     /// Follows one advance() of the state, after the ray scene did. All lights of this frame, in any order: what is
-    /// remembered of a light that has the same polygon as before is kept.
+    /// remembered of a light that has the same shape as before is kept.
     void follow(const scene::SceneState& state, const ray::RayScene& rays, std::span<const AreaLight> lights);
 
     enum class Answer : std::uint8_t { dark, lit, partial };
@@ -63,13 +66,31 @@ class AreaVisibility {
         struct Target {
             std::uint32_t cells;
             std::uint16_t cell;
+            std::uint8_t places;   // of the cell, that the ray decides about
         };
-        TriangleList list;
-        const void* listed = nullptr;   // what `list` was made from
+        struct Listed {
+            const std::vector<visibility::TriangleId>* list;   // of the part; null: it is lit
+            std::uint32_t asked;
+        };
+        struct Blocker {
+            Box3 box;
+            const visibility::DynamicTriangles::Blocker* of;
+        };
+        struct Boxed {
+            Box3 box;
+            const visibility::StaticTriangle* triangle;
+        };
+        std::vector<Listed> listed;   // asked points of listed parts, and of lit ones that a dynamic object is near
+        TriangleList list;            // the one that is looked through
+        TriangleList holed;           // of it, those with holes
+        std::vector<visibility::TriangleId> opaque_ids;
+        std::vector<Boxed> dynamic;   // triangles near any point of the call
+        TriangleList dynamic_list;    // and those near any point of a group
+        std::vector<std::uint32_t> boxes;
         ray::RayQueue queue;
         std::vector<Target> targets;   // by ray
         std::vector<std::uint8_t> occluded;
-        std::vector<Box3> blockers;
+        std::vector<Blocker> blockers;
         std::vector<std::uint32_t> all_rays, dynamic_rays;   // asked points
     };
 
@@ -92,7 +113,9 @@ class AreaVisibility {
     AreaOptions options_;
     const ray::RayScene* rays_;
     std::unique_ptr<visibility::StaticTriangles> triangles_;
+    std::unique_ptr<PlanarPairs> pairs_;
     std::unique_ptr<visibility::DynamicBounds> dynamic_;
+    visibility::DynamicTriangles dynamic_triangles_;
     std::vector<std::unique_ptr<Light>> lights_;
 };
 

@@ -13,15 +13,26 @@
 #ifndef GNOMON_AREA_LIGHT_BLOCKED_PLACES_ONCE
 #define GNOMON_AREA_LIGHT_BLOCKED_PLACES_ONCE
 namespace gnomon::area_light {
-// The four linear functions of a triangle over the light, by lane: at + s * by_s + t * by_t >= 0 where it hides.
+// What a triangle or quadrilateral hides of each row, by lane. The first function is of its plane, the others are of
+// its edges; a triangle has one less. A row runs from t = 0 to 1; place i of it is at 64 t = i + shift.
 struct Functions {
-    static constexpr std::size_t k_lanes = 16;
-    alignas(64) float at[4][k_lanes];
-    alignas(64) float by_s[4][k_lanes];
-    alignas(64) float by_t[4][k_lanes];
+    static constexpr std::size_t k_lanes = 16, k_count = 5;
+    // A function is 0 at 64 t = zero + start * zero_by_start, for the s where a row starts. What is hidden lies beyond
+    // that place (side 1), before it (side -1), or anywhere as far as this function goes (side 0).
+    alignas(64) float zero[k_count][k_lanes];
+    alignas(64) float zero_by_start[k_count][k_lanes];
+    alignas(64) float side[k_count][k_lanes];
+    // Functions that do not change along a row: at + start * by_start >= 0 in rows of which something may be hidden.
+    alignas(64) float at[k_count][k_lanes];
+    alignas(64) float by_start[k_count][k_lanes];
+    alignas(64) float constant[k_lanes];                       // 1: there is one that is negative in some row, else 0
     alignas(64) float meets[k_lanes];                          // 1: some place may be hidden, else 0
     alignas(64) float first_row[k_lanes], last_row[k_lanes];   // outside of them, nothing is hidden
 };
+// A function whose slope along a row is smaller than this fraction of its values counts as constant.
+inline constexpr float k_flat_slope = 1e-12f;
+// More than the largest start of a row, so that it bounds what a function changes by from row to row.
+inline constexpr float k_most_start = 1.25f;
 struct Rows {
     alignas(64) std::array<float, k_rows> start, shift;
 };
@@ -86,13 +97,13 @@ void find_functions(const glm::vec3& point, const TriangleList& triangles, std::
                    by_row = all(std::abs(above) * plane.row);
     const auto row_of_point = hn::Set(d, glm::dot(plane.row, point - places.origin()) + LightPlaces::row_at_origin());
     for (std::size_t lane = 0; lane < Functions::k_lanes; lane += hn::Lanes(d)) {
-        Three<V> r[3];
-        for (std::size_t c = 0; c < 3; ++c)
-            r[c] = minus({hn::LoadU(d, triangles.at[c][0].data() + first + lane),
-                          hn::LoadU(d, triangles.at[c][1].data() + first + lane),
-                          hn::LoadU(d, triangles.at[c][2].data() + first + lane)},
-                         p);
-        const Three<V> side[3] = {cross(r[0], r[1]), cross(r[1], r[2]), cross(r[2], r[0])};
+        Three<V> r[4];
+        for (std::size_t c = 0; c < 4; ++c)
+            r[c] =
+                minus({hn::LoadU(d, triangles.at(c, 0) + first + lane), hn::LoadU(d, triangles.at(c, 1) + first + lane),
+                       hn::LoadU(d, triangles.at(c, 2) + first + lane)},
+                      p);
+        const Three<V> side[4] = {cross(r[0], r[1]), cross(r[1], r[2]), cross(r[3], r[0]), cross(r[2], r[3])};
         // The volume's sign tells on which side of the triangle the point is; turn all functions so that it is
         // positive.
         const V volume = dot(side[0], r[2]);
@@ -116,28 +127,40 @@ void find_functions(const glm::vec3& point, const TriangleList& triangles, std::
         hn::Store(hn::Min(hn::Max(last_row, hn::Set(d, -1.0f)), all_rows), d, out.last_row + lane);
         const auto back = hn::Lt(volume, zero);
         auto meets = hn::Ne(volume, zero);
+        auto constant = hn::FirstN(d, 0);
+        const auto slant = hn::Set(d, LightPlaces::slant), places_in_row = hn::Set(d, static_cast<float>(k_row_places)),
+                   one = hn::Set(d, 1.0f);
         const auto store = [&](std::size_t e, V at, V by_s, V by_t) HWY_ATTR {
             at = hn::IfThenElse(back, hn::Neg(at), at);
             by_s = hn::IfThenElse(back, hn::Neg(by_s), by_s);
             by_t = hn::IfThenElse(back, hn::Neg(by_t), by_t);
-            hn::Store(at, d, out.at[e] + lane);
-            hn::Store(by_s, d, out.by_s[e] + lane);
-            hn::Store(by_t, d, out.by_t[e] + lane);
+            const V along = hn::Add(hn::Mul(slant, by_s), by_t);
+            const auto slopes =
+                hn::Gt(hn::Abs(along), hn::Mul(hn::Max(hn::Abs(at), hn::Abs(by_s)), hn::Set(d, k_flat_slope)));
+            const V inverse = hn::IfThenElseZero(slopes, hn::Div(hn::Neg(one), along));
+            hn::Store(hn::Mul(hn::Mul(at, inverse), places_in_row), d, out.zero[e] + lane);
+            hn::Store(hn::Mul(hn::Mul(by_s, inverse), places_in_row), d, out.zero_by_start[e] + lane);
+            hn::Store(hn::IfThenElseZero(slopes, hn::CopySign(one, along)), d, out.side[e] + lane);
+            hn::Store(hn::IfThenElseZero(hn::Not(slopes), at), d, out.at[e] + lane);
+            hn::Store(hn::IfThenElseZero(hn::Not(slopes), by_s), d, out.by_start[e] + lane);
+            constant =
+                hn::Or(constant, hn::AndNot(slopes, hn::Lt(at, hn::Mul(hn::Abs(by_s), hn::Set(d, k_most_start)))));
             return hn::Add(hn::Add(at, hn::Max(by_s, zero)), hn::Max(by_t, zero));   // the largest over the light
         };
-        for (std::size_t e = 0; e < 3; ++e)
-            meets = hn::And(meets, hn::Ge(store(e, dot(side[e], to), dot(side[e], s), dot(side[e], t)), zero));
+        for (std::size_t e = 0; e < 4; ++e)
+            meets = hn::And(meets, hn::Ge(store(1 + e, dot(side[e], to), dot(side[e], s), dot(side[e], t)), zero));
         const Three<V> normal = cross(minus(r[1], r[0]), minus(r[2], r[0]));
         const V height = dot(normal, r[0]);
-        const V most = store(3, hn::Sub(hn::Mul(end, dot(normal, to)), height), hn::Mul(end, dot(normal, s)),
+        const V most = store(0, hn::Sub(hn::Mul(end, dot(normal, to)), height), hn::Mul(end, dot(normal, s)),
                              hn::Mul(end, dot(normal, t)));
         meets = hn::And(meets, hn::Ge(most, zero));
-        hn::Store(hn::IfThenElseZero(meets, hn::Set(d, 1.0f)), d, out.meets + lane);
+        hn::Store(hn::IfThenElseZero(meets, one), d, out.meets + lane);
+        hn::Store(hn::IfThenElseZero(constant, one), d, out.constant + lane);
     }
 }
 
-// Adds the runs of one triangle to all rows.
-void add_runs(const Functions& f, std::size_t lane, PlaceMask& blocked)
+// Adds the runs of one triangle or quadrilateral to all rows.
+void add_runs(const Functions& f, std::size_t lane, std::size_t corners, PlaceMask& blocked)
 {
     const auto first_row = static_cast<std::size_t>(f.first_row[lane]),
                last_row = static_cast<std::size_t>(f.last_row[lane]);
@@ -149,20 +172,19 @@ void add_runs(const Functions& f, std::size_t lane, PlaceMask& blocked)
                last = hn::Set(d, static_cast<float>(k_row_places - 1));
     for (std::size_t i = first_row / hn::Lanes(d) * hn::Lanes(d); i <= last_row; i += hn::Lanes(d)) {
         const auto start = hn::Load(d, row.start.data() + i), shift = hn::Load(d, row.shift.data() + i);
-        auto low = zero, high = last;
-        for (std::size_t e = 0; e < 4; ++e) {
-            const float along = LightPlaces::slant * f.by_s[e][lane] + f.by_t[e][lane];
-            const auto at = hn::Add(hn::Set(d, f.at[e][lane]), hn::Mul(start, hn::Set(d, f.by_s[e][lane])));
-            if (along == 0) {
-                high = hn::IfThenElse(hn::Lt(at, zero), before, high);
-                continue;
-            }
-            const auto zero_at = hn::Sub(hn::Mul(hn::Mul(at, hn::Set(d, -1.0f / along)), places), shift);
-            if (along > 0)
-                low = hn::Max(low, zero_at);
-            else
-                high = hn::Min(high, zero_at);
+        auto low = hn::Set(d, -k_infinity), high = hn::Set(d, k_infinity);
+        for (std::size_t e = 0; e <= corners; ++e) {
+            const auto side = hn::Set(d, f.side[e][lane]);
+            const auto at = hn::Add(hn::Set(d, f.zero[e][lane]), hn::Mul(start, hn::Set(d, f.zero_by_start[e][lane])));
+            low = hn::IfThenElse(hn::Gt(side, zero), hn::Max(low, at), low);
+            high = hn::IfThenElse(hn::Lt(side, zero), hn::Min(high, at), high);
         }
+        low = hn::Max(hn::Sub(low, shift), zero), high = hn::Min(hn::Sub(high, shift), last);
+        if (f.constant[lane] != 0)
+            for (std::size_t e = 0; e <= corners; ++e) {
+                const auto at = hn::Add(hn::Set(d, f.at[e][lane]), hn::Mul(start, hn::Set(d, f.by_start[e][lane])));
+                high = hn::IfThenElse(hn::Lt(at, zero), before, high);
+            }
         low = hn::Ceil(hn::Min(low, places)), high = hn::Floor(hn::Max(high, before));
         hn::Store(hn::ConvertTo(di, low), di, begin + i);
         hn::Store(hn::ConvertTo(di, high), di, end + i);
@@ -182,51 +204,65 @@ void add_runs(const Functions& f, std::size_t lane, PlaceMask& blocked)
     }
 }
 
-void add_blocked_of(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places,
+bool all_hidden(const LightPlaces& places, const PlaceMask& blocked)
+{
+    const hn::CappedTag<std::uint64_t, 8> d;
+    auto seen = hn::Zero(d);
+    for (std::size_t i = 0; i < k_rows; i += hn::Lanes(d))
+        seen = hn::Or(seen, hn::AndNot(hn::LoadU(d, blocked.data() + i), hn::LoadU(d, places.inside().data() + i)));
+    return hn::AllTrue(d, hn::Eq(seen, hn::Zero(d)));
+}
+
+bool add_blocked_of(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places,
                     PlaceMask& blocked)
 {
     Functions f;
-    for (std::size_t first = 0; first < triangles.count; first += Functions::k_lanes) {
+    bool any = false;
+    for (std::size_t first = 0; first < triangles.size(); first += Functions::k_lanes) {
         find_functions(point, triangles, first, places, f);
-        const std::size_t count = std::min(Functions::k_lanes, triangles.count - first);
+        const std::size_t count = std::min(Functions::k_lanes, triangles.size() - first);
         for (std::size_t lane = 0; lane < count; ++lane)
-            if (f.meets[lane] != 0 && f.first_row[lane] <= f.last_row[lane]) add_runs(f, lane, blocked);
+            if (f.meets[lane] != 0 && f.first_row[lane] <= f.last_row[lane]) {
+                add_runs(f, lane, static_cast<std::size_t>(triangles.corners(first + lane)), blocked);
+                any = true;
+            }
+        // Leave the rest out if nothing is left to hide.
+        if (any && first + Functions::k_lanes < triangles.size() && all_hidden(places, blocked)) break;
     }
+    return any;
 }
 
 }   // namespace gnomon::area_light::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
+#include <algorithm>
+
 namespace gnomon::area_light {
 
 HWY_EXPORT(add_blocked_of);
 
-void add_blocked(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places, PlaceMask& blocked)
+bool add_blocked(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places, PlaceMask& blocked)
 {
-    HWY_DYNAMIC_DISPATCH(add_blocked_of)(point, triangles, places, blocked);
+    return HWY_DYNAMIC_DISPATCH(add_blocked_of)(point, triangles, places, blocked);
 }
 
-void TriangleList::clear()
+void TriangleList::grow()
 {
-    for (auto& corner : at)
-        for (auto& axis : corner) axis.clear();
-    count = 0;
-}
-
-void TriangleList::push(const glm::vec3 (&corner)[3])
-{
-    for (std::size_t c = 0; c < 3; ++c)
-        for (int axis = 0; axis < 3; ++axis) at[c][static_cast<std::size_t>(axis)].push_back(corner[c][axis]);
-    ++count;
+    const std::size_t size = corners_.empty() ? 4 * k_pad : 2 * corners_.size();
+    for (auto& corner : at_)
+        for (auto& axis : corner) axis.resize(size);
+    corners_.resize(size);
 }
 
 void TriangleList::pad()
 {
-    if (count == 0) return;
-    const std::size_t padded = (count + k_pad - 1) / k_pad * k_pad;
-    for (auto& corner : at)
-        for (auto& axis : corner) axis.resize(padded, axis[count - 1]);
+    if (count_ == 0) return;
+    const std::size_t padded = (count_ + k_pad - 1) / k_pad * k_pad;   // within the size, a multiple of it
+    for (auto& corner : at_)
+        for (auto& axis : corner)
+            std::fill(axis.begin() + static_cast<std::ptrdiff_t>(count_),
+                      axis.begin() + static_cast<std::ptrdiff_t>(padded), axis[count_ - 1]);
 }
 
 bool blocks_place(const glm::vec3& point, const glm::vec3 (&corner)[3], const LightPlaces& places, int row, int place)
@@ -241,7 +277,7 @@ bool blocks_place(const glm::vec3& point, const glm::vec3 (&corner)[3], const Li
     if (volume == 0) return false;
     const glm::vec3 normal = product(r[1] - r[0], r[2] - r[0]), to = places.origin() - point;
     const float start = LightPlaces::row_start(row), shift = LightPlaces::row_shift(row);
-    float low = 0, high = k_row_places - 1;
+    float low = -k_infinity, high = k_infinity;
     for (int e = 0; e < 4; ++e) {
         const float end = ray::k_shadow_ray_end;
         float at = e < 3 ? scalar(side[e], to) : end * scalar(normal, to) - scalar(normal, r[0]);
@@ -250,17 +286,19 @@ bool blocks_place(const glm::vec3& point, const glm::vec3 (&corner)[3], const Li
         if (volume < 0) at = -at, by_s = -by_s, by_t = -by_t;
         if (!(at + std::max(by_s, 0.0f) + std::max(by_t, 0.0f) >= 0)) return false;
         const float along = LightPlaces::slant * by_s + by_t;
-        at += start * by_s;
-        if (along == 0) {
-            if (at < 0) return false;
+        if (!(std::abs(along) > std::max(std::abs(at), std::abs(by_s)) * k_flat_slope)) {
+            if (at + start * by_s < 0) return false;
             continue;
         }
-        const float zero_at = at * (-1.0f / along) * static_cast<float>(k_row_places) - shift;
+        const float inverse = -1.0f / along;
+        const float zero_at = at * inverse * static_cast<float>(k_row_places) +
+                              start * (by_s * inverse * static_cast<float>(k_row_places));
         if (along > 0)
             low = std::max(low, zero_at);
         else
             high = std::min(high, zero_at);
     }
+    low = std::max(low - shift, 0.0f), high = std::min(high - shift, static_cast<float>(k_row_places - 1));
     return static_cast<float>(place) >= std::ceil(low) && static_cast<float>(place) <= std::floor(high);
 }
 

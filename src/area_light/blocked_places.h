@@ -20,20 +20,40 @@
 
 namespace gnomon::area_light {
 
-/// Triangles in a structure of arrays, padded so that the last vector can be read whole.
-struct TriangleList {
+/// Triangles and planar convex quadrilaterals in a structure of arrays, padded so that the last vector can be read
+/// whole.
+class TriangleList {
+ public:
     static constexpr std::size_t k_pad = 16;
-    std::array<std::array<std::vector<float>, 3>, 3> at;   // by corner and axis
-    std::size_t count = 0;
 
-    void clear();
-    void push(const glm::vec3 (&corner)[3]);
-    /// Repeats the last triangle to the end of its vector. Call after the last push().
+    void clear() { count_ = 0; }
+    void push(const glm::vec3 (&corner)[3]) { push_corners({corner[0], corner[1], corner[2], corner[2]}, 3); }
+    void push(const glm::vec3 (&corner)[4]) { push_corners({corner[0], corner[1], corner[2], corner[3]}, 4); }
+    /// Repeats the last entry to the end of its vector. Call after the last push().
     void pad();
+    std::size_t size() const { return count_; }
+    /// One coordinate of one corner, by entry; of a triangle, the last two corners are equal.
+    const float* at(std::size_t corner, std::size_t axis) const { return at_[corner][axis].data(); }
+    int corners(std::size_t entry) const { return corners_[entry]; }
+
+ private:
+    void push_corners(const std::array<glm::vec3, 4>& corner, std::uint8_t corners)
+    {
+        if (count_ == corners_.size()) grow();
+        for (std::size_t c = 0; c < 4; ++c)
+            for (int axis = 0; axis < 3; ++axis) at_[c][static_cast<std::size_t>(axis)][count_] = corner[c][axis];
+        corners_[count_++] = corners;
+    }
+    void grow();
+
+    std::array<std::array<std::vector<float>, 3>, 4> at_;
+    std::vector<std::uint8_t> corners_;
+    std::size_t count_ = 0;
 };
 
-/// Adds to `blocked` the places that triangles hide from a point.
-void add_blocked(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places, PlaceMask& blocked);
+/// Adds to `blocked` the places that triangles hide from a point, of those inside the light.
+/// @return  whether any of them may hide one
+bool add_blocked(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places, PlaceMask& blocked);
 
 /// The same for one place and one triangle, in the same arithmetic: the reference.
 bool blocks_place(const glm::vec3& point, const glm::vec3 (&corner)[3], const LightPlaces& places, int row, int place);

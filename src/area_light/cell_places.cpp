@@ -22,12 +22,14 @@ glm::vec3 radiance_near(const scene::SizedLight& light, const glm::vec3& positio
 
 AreaLight area_light_of(const scene::SizedLight& light)
 {
-    const scene::SizedFace& face = light.faces.front();
+    const auto polygon = [](const scene::SizedFace& face) {
+        return LightPolygon{face.corner, face.corners, face.normal};
+    };
     AreaLight area;
-    area.polygon.corner = face.corner;
-    area.polygon.corners = face.corners;
-    area.polygon.normal = face.normal;
-    area.two_sided = face.two_sided;
+    area.shape.outline = polygon(light.outline);
+    if (light.faces.size() > 1)
+        for (const scene::SizedFace& face : light.faces) area.shape.faces.push_back(polygon(face));
+    area.two_sided = light.outline.two_sided;
     area.dynamic = light.dynamic;
     return area;
 }

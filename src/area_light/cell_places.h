@@ -8,7 +8,7 @@
 
 namespace gnomon::area_light {
 
-/// A light with size of one polygon, for AreaVisibility::follow().
+/// A flat light with size (SizedLight::is_flat), for AreaVisibility::follow().
 AreaLight area_light_of(const scene::SizedLight& light);
 
 struct CellPlaces {

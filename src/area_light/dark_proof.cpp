@@ -64,7 +64,7 @@ bool proves_dark(const StaticTriangles& triangles, const AreaShaft& shaft, Trian
             for (int c = 0; c < inside.count; ++c) {
                 const glm::dvec3& p = inside.corner[static_cast<std::size_t>(c)];
                 if (shaft.height(p) < clear && !leaves_out(DarkCheck::clear_of_part)) return false;
-                if (shaft.light_height(p) < shaft.end_gap() + clear && !leaves_out(DarkCheck::clear_of_light))
+                if (shaft.light_height(p) < shaft.most_end_gap() + clear && !leaves_out(DarkCheck::clear_of_light))
                     return false;
             }
         }

@@ -41,8 +41,9 @@ glm::vec2 LightPlaces::at(int row, int place) const
     return {row_start(row) + slant * t, t};
 }
 
-LightPlaces::LightPlaces(const LightPolygon& polygon) : polygon_(polygon)
+LightPlaces::LightPlaces(const FlatLight& light) : polygon_(light.outline)
 {
+    const LightPolygon& polygon = polygon_;
     GNOMON_CHECK(polygon.corners == 3 || polygon.corners == 4);
     // Choose the corner whose parallelogram encloses the polygon with the least area.
     const auto count = static_cast<std::size_t>(polygon.corners);
@@ -64,7 +65,6 @@ LightPlaces::LightPlaces(const LightPolygon& polygon) : polygon_(polygon)
         origin_ = polygon.corner[c];
         side_s_ = glm::vec3(reach.x * u), side_t_ = glm::vec3(reach.y * v);
     }
-    // Mark the places inside, in the coordinates of the parallelogram.
     const glm::dvec3 u(side_s_), v(side_t_);
     const double uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v), area = uu * vv - uv * uv;
     if (!(area > 0)) return;
@@ -72,9 +72,23 @@ LightPlaces::LightPlaces(const LightPolygon& polygon) : polygon_(polygon)
     const glm::dvec3 dual_s = (vv * u - uv * v) / area, dual_t = (uu * v - uv * u) / area;
     row_plane_ = {glm::vec3(glm::normalize(glm::cross(u, v))),
                   glm::vec3(static_cast<double>(k_square_rows) * (dual_s - static_cast<double>(slant) * dual_t))};
+    if (light.faces.empty())
+        mark_inside(polygon);
+    else
+        for (const LightPolygon& face : light.faces) mark_inside(face);
+    count_ = count_places(inside_);
+}
+
+// Marks the places inside a polygon, in the coordinates of the parallelogram.
+void LightPlaces::mark_inside(const LightPolygon& face)
+{
+    GNOMON_CHECK(face.corners == 3 || face.corners == 4);
+    const auto count = static_cast<std::size_t>(face.corners);
+    const glm::dvec3 u(side_s_), v(side_t_);
+    const double uu = glm::dot(u, u), uv = glm::dot(u, v), vv = glm::dot(v, v), area = uu * vv - uv * uv;
     std::array<glm::dvec2, 4> corner{};
     for (std::size_t k = 0; k < count; ++k) {
-        const glm::dvec3 d = glm::dvec3(polygon.corner[k]) - glm::dvec3(origin_);
+        const glm::dvec3 d = glm::dvec3(face.corner[k]) - glm::dvec3(origin_);
         const double du = glm::dot(d, u), dv = glm::dot(d, v);
         corner[k] = glm::dvec2(du * vv - dv * uv, dv * uu - du * uv) / area;
     }
@@ -88,7 +102,6 @@ LightPlaces::LightPlaces(const LightPolygon& polygon) : polygon_(polygon)
                 inside = turn * cross(corner[(k + 1) % count] - corner[k], q - corner[k]) >= 0;
             if (inside) inside_[static_cast<std::size_t>(row)] |= std::uint64_t{1} << place;
         }
-    count_ = count_places(inside_);
 }
 
 int count_places(const PlaceMask& mask)

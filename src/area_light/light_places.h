@@ -33,6 +33,15 @@ struct LightPolygon {
     glm::vec3 normal{0};                 // unit
 };
 
+/// A flat light: a polygon, or what some polygons in its plane cover of it.
+struct FlatLight {
+    LightPolygon outline;
+    std::vector<LightPolygon> faces;   // empty: all of the outline
+
+    FlatLight() = default;
+    FlatLight(const LightPolygon& all, std::vector<LightPolygon> of = {}) : outline(all), faces(std::move(of)) {}
+};
+
 /// Rows as a linear function over the light's plane: a point of the plane lies in row
 /// dot(row, point - origin) + LightPlaces::row_at_origin(), a fraction between rows.
 struct RowPlane {
@@ -42,8 +51,9 @@ struct RowPlane {
 
 class LightPlaces {
  public:
-    explicit LightPlaces(const LightPolygon& polygon);
+    explicit LightPlaces(const FlatLight& light);
 
+    /// The light's outline.
     const LightPolygon& polygon() const { return polygon_; }
     /// The parallelogram that the places lie in: origin + s * side_s + t * side_t, s and t in [0, 1]. It encloses the
     /// polygon.
@@ -65,11 +75,13 @@ class LightPlaces {
         const glm::vec2 st = at(row, place);
         return origin_ + st.x * side_s_ + st.y * side_t_;
     }
-    /// The places inside the polygon.
+    /// The places inside the light.
     const PlaceMask& inside() const { return inside_; }
     int count() const { return count_; }
 
  private:
+    void mark_inside(const LightPolygon& face);
+
     LightPolygon polygon_;
     glm::vec3 origin_{0}, side_s_{0}, side_t_{0};
     RowPlane row_plane_;

@@ -19,7 +19,11 @@ struct CellSums {
 };
 struct CellArrays {
     const float *x, *y, *z, *count;
-    const float* visible;
+    const std::uint8_t* visible;
+};
+// Set bits of each group of four of a row: even and odd groups are the bytes of a word each.
+struct GroupCounts {
+    alignas(64) std::uint64_t even[k_rows], odd[k_rows];
 };
 }   // namespace gnomon::area_light
 #endif
@@ -33,6 +37,8 @@ void sum_cells(const CellArrays& cells, const glm::vec3& point, const glm::vec3&
                const glm::vec3& light_normal, CellSums& sums)
 {
     const hn::CappedTag<float, k_lanes> d;
+    const hn::Rebind<std::int32_t, decltype(d)> whole;
+    const hn::Rebind<std::uint8_t, decltype(d)> byte;
     const auto zero = hn::Zero(d);
     const auto px = hn::Set(d, point.x), py = hn::Set(d, point.y), pz = hn::Set(d, point.z);
     for (std::size_t i = 0; i < k_cells; i += hn::Lanes(d)) {
@@ -47,41 +53,72 @@ void sum_cells(const CellArrays& cells, const glm::vec3& point, const glm::vec3&
         const auto arrives = hn::And(hn::And(hn::Gt(here, zero), hn::Gt(there, zero)), hn::Gt(along(horizon), zero));
         const auto weight = hn::IfThenElseZero(arrives, hn::Div(hn::Mul(here, there), hn::Mul(square, square)));
         const std::size_t lane = i % k_lanes;
-        hn::Store(hn::Add(hn::Load(d, sums.seen + lane), hn::Mul(weight, hn::LoadU(d, cells.visible + i))), d,
-                  sums.seen + lane);
+        const auto visible = hn::ConvertTo(d, hn::PromoteTo(whole, hn::LoadU(byte, cells.visible + i)));
+        hn::Store(hn::Add(hn::Load(d, sums.seen + lane), hn::Mul(weight, visible)), d, sums.seen + lane);
         hn::Store(hn::Add(hn::Load(d, sums.all + lane), hn::Mul(weight, hn::LoadU(d, cells.count + i))), d,
                   sums.all + lane);
     }
+}
+
+// @return  the number of bits of `inside` that are not blocked
+int count_groups(const std::uint64_t* inside, const std::uint64_t* blocked, GroupCounts& out)
+{
+    const hn::CappedTag<std::uint64_t, 8> d;
+    const auto pairs = hn::Set(d, 0x5555555555555555ull), fours = hn::Set(d, 0x3333333333333333ull),
+               groups = hn::Set(d, 0x0f0f0f0f0f0f0f0full);
+    auto sum = hn::Zero(d);   // four sums of 16 bits a lane
+    for (std::size_t r = 0; r < k_rows; r += hn::Lanes(d)) {
+        auto bits = hn::AndNot(hn::LoadU(d, blocked + r), hn::LoadU(d, inside + r));
+        bits = hn::Sub(bits, hn::And(hn::ShiftRight<1>(bits), pairs));
+        bits = hn::Add(hn::And(bits, fours), hn::And(hn::ShiftRight<2>(bits), fours));
+        const auto even = hn::And(bits, groups), odd = hn::And(hn::ShiftRight<4>(bits), groups);
+        hn::Store(even, d, out.even + r);
+        hn::Store(odd, d, out.odd + r);
+        const auto both = hn::Add(even, odd);
+        const auto low = hn::Set(d, 0x00ff00ff00ff00ffull);
+        sum = hn::Add(sum, hn::Add(hn::And(both, low), hn::And(hn::ShiftRight<8>(both), low)));
+    }
+    alignas(64) std::uint64_t lanes[8]{};
+    hn::Store(sum, d, lanes);
+    std::uint64_t count = 0;
+    for (const std::uint64_t lane : lanes)
+        for (int k = 0; k < 64; k += 16) count += lane >> k & 0xffff;
+    return static_cast<int>(count);
 }
 
 }   // namespace gnomon::area_light::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include <bit>
+#include <cstring>
 
 namespace gnomon::area_light {
 
+namespace {
+
+// A row of cells holds those of even columns first.
+constexpr int k_columns = 16;
+int column_of(int cell)
+{
+    const int at = cell % k_columns, half = k_columns / 2;
+    return at < half ? 2 * at : 2 * (at - half) + 1;
+}
+
+}   // namespace
+
 HWY_EXPORT(sum_cells);
+HWY_EXPORT(count_groups);
 
 int count_visible(const LightPlaces& places, const PlaceMask& blocked, VisibleCells& visible)
 {
-    int count = 0;
+    GroupCounts groups;
+    const int count = HWY_DYNAMIC_DISPATCH(count_groups)(places.inside().data(), blocked.data(), groups);
+    // Add up the groups of each four rows.
     for (std::size_t r = 0; r < blocked.size(); r += 4) {
-        // Sum the set bits of each group of four, over four rows: even and odd groups in the bytes of a word each.
-        constexpr std::uint64_t k_groups = 0x0f0f0f0f0f0f0f0full;
-        std::uint64_t even = 0, odd = 0;
-        for (std::size_t k = r; k < r + 4; ++k) {
-            std::uint64_t bits = places.inside()[k] & ~blocked[k];
-            count += std::popcount(bits);
-            bits -= bits >> 1 & 0x5555555555555555ull;
-            bits = (bits & 0x3333333333333333ull) + (bits >> 2 & 0x3333333333333333ull);
-            even += bits & k_groups, odd += bits >> 4 & k_groups;
-        }
-        for (std::size_t k = 0; k < 8; ++k) {
-            visible[r * 4 + 2 * k] = static_cast<std::uint8_t>(even >> (8 * k));
-            visible[r * 4 + 2 * k + 1] = static_cast<std::uint8_t>(odd >> (8 * k));
-        }
+        const std::uint64_t even = groups.even[r] + groups.even[r + 1] + groups.even[r + 2] + groups.even[r + 3],
+                            odd = groups.odd[r] + groups.odd[r + 1] + groups.odd[r + 2] + groups.odd[r + 3];
+        std::memcpy(visible.data() + r * 4, &even, sizeof even);
+        std::memcpy(visible.data() + r * 4 + sizeof even, &odd, sizeof odd);
     }
     return count;
 }
@@ -89,7 +126,7 @@ int count_visible(const LightPlaces& places, const PlaceMask& blocked, VisibleCe
 LightCells::LightCells(const LightPlaces& places) : light_normal_(places.polygon().normal)
 {
     for (int cell = 0; cell < k_cells; ++cell) {
-        const int row = cell / 16 * 4, first = cell % 16 * 4;
+        const int row = cell / k_columns * 4, first = column_of(cell) * 4;
         glm::dvec2 sum(0), middle(0);
         int count = 0;
         for (int r = row; r < row + 4; ++r)
@@ -113,11 +150,9 @@ LightCells::LightCells(const LightPlaces& places) : light_normal_(places.polygon
 float LightCells::share(const glm::vec3& point, const glm::vec3& normal, const glm::vec3& horizon,
                         const VisibleCells& visible) const
 {
-    alignas(64) std::array<float, k_cells> seen;
-    for (std::size_t c = 0; c < seen.size(); ++c) seen[c] = visible[c];
     CellSums sums;
     HWY_DYNAMIC_DISPATCH(sum_cells)
-    ({x_.data(), y_.data(), z_.data(), count_.data(), seen.data()}, point, normal, horizon, light_normal_, sums);
+    ({x_.data(), y_.data(), z_.data(), count_.data(), visible.data()}, point, normal, horizon, light_normal_, sums);
     double part = 0, whole = 0;
     for (std::size_t lane = 0; lane < k_lanes; ++lane)
         part += static_cast<double>(sums.seen[lane]), whole += static_cast<double>(sums.all[lane]);

@@ -15,6 +15,7 @@ namespace gnomon {
 struct MicroTriangle {
     std::uint32_t i = 0, j = 0;
     std::uint32_t upper = 0;   // 0 or 1
+    friend constexpr bool operator==(const MicroTriangle&, const MicroTriangle&) = default;
 };
 
 /// Number of parts before level k in a pyramid: (4^k - 1) / 3.
@@ -60,6 +61,13 @@ inline std::uint32_t micro_index_at(float u, float v, std::uint32_t level)
 constexpr MicroTriangle parent_of(const MicroTriangle& m)
 {
     return {m.i >> 1, m.j >> 1, ((m.i & 1) + (m.j & 1) + m.upper) >= 2 ? 1u : 0u};
+}
+
+/// The part that contains a part, so many levels up: parent_of() as often.
+constexpr MicroTriangle ancestor_of(const MicroTriangle& m, std::uint32_t levels)
+{
+    const std::uint32_t low = (1u << levels) - 1;
+    return {m.i >> levels, m.j >> levels, (m.i & low) + (m.j & low) + m.upper > low ? 1u : 0u};
 }
 
 /// The four parts of the next level into which a part is divided.

@@ -50,7 +50,7 @@ void ProvenShares::follow(const scene::SceneState& state, const scene::SizedLigh
     std::vector<area_light::AreaLight> planar;
     planar_.assign(lights.lights().size(), k_cluster);
     for (std::size_t l = 0; l < lights.lights().size(); ++l) {
-        if (!lights.lights()[l].is_polygon()) continue;
+        if (!lights.lights()[l].is_flat()) continue;
         planar_[l] = static_cast<std::uint32_t>(planar.size());
         planar.push_back(area_light::area_light_of(lights.lights()[l]));
     }
@@ -123,7 +123,7 @@ void ProvenShares::find_in_tile(const Tile& tile, std::size_t number, const scen
                                 glm::vec2* shares) const
 {
     // Ask for the points that face the light, and that it faces.
-    const scene::SizedFace& face = light.faces.front();
+    const scene::SizedFace& face = light.outline;
     own.asked.clear();
     for (std::uint32_t p = 0; p < tile.points.size(); ++p) {
         const visibility::ShadowPoint& point = tile.points[p];

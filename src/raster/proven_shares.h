@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // How much of each light with size the pixels of a rasterised frame see, by the remembered proofs of the traced frame
-// (area_light/): for lights of one polygon. The surfaces are read back, and the shares are sent to the device.
+// (area_light/): for flat lights, of one polygon or several. The surfaces are read back, and the shares are sent to the
+// device.
 //
 // Shares are exact where parts of surfaces are proven lit or dark, and as fine as the traced frame's in penumbrae.
 //

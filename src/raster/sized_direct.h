@@ -3,7 +3,7 @@
 // Direct light of lights with size in the rasterised frame: in closed form, as in the traced one, times the visible
 // share.
 //
-// The visible share is that of the traced frame for lights of one polygon, if prove() was called (proven_shares.h). For
+// The visible share is that of the traced frame for flat lights, if prove() was called (proven_shares.h). For
 // clusters, and without, it is found from light views [Heckbert and Herf 1997]: some places on each light have depth
 // buffers, which are kept up to date like those of other lights [Oh and Shin 2004]. The share is the sum of the visible
 // places' weights over the sum of all places' weights. A look-up is filtered over a few texels, so that the edges of
@@ -50,7 +50,7 @@ class SizedDirect {
                 const SizedDirectOptions& options = {});
     ~SizedDirect();
 
-    /// Proves what is visible of polygons, from the next update() on.
+    /// Proves what is visible of flat lights, from the next update() on.
     /// @param rays  must follow the state before every update(); both outlive this
     void prove(const ray::RayScene& rays, Tasks& tasks) { proofs_ = std::make_unique<ProvenShares>(rays, tasks); }
 

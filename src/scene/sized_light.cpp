@@ -6,6 +6,7 @@
 #include "base/interruption.h"
 #include "base/morton.h"
 #include "base/sobol.h"
+#include "scene/flat_figures.h"
 
 namespace gnomon::scene {
 
@@ -33,7 +34,8 @@ glm::vec3 middle(const SizedFace& face)
 // A run of the faces, to become one light.
 struct Cluster {
     std::size_t begin, end;
-    float weight = 0;   // the larger, the sooner it is split
+    float weight = 0;                  // the larger, the sooner it is split
+    SizedFace outline{.corners = 0};   // of a flat figure
 };
 
 Cluster cluster_of(const std::vector<SourceFace>& faces, std::size_t begin, std::size_t end)
@@ -41,7 +43,7 @@ Cluster cluster_of(const std::vector<SourceFace>& faces, std::size_t begin, std:
     Box3 box;
     float sum = 0;
     for (std::size_t i = begin; i < end; ++i) box.add(middle(faces[i].face)), sum += power(faces[i].face);
-    return {begin, end, end - begin < 2 ? 0 : sum * box.diagonal()};
+    return {begin, end, end - begin < 2 ? 0 : sum * box.diagonal(), {.corners = 0}};
 }
 
 // Splits the longest axis of a cluster at the median of its faces' places.
@@ -59,14 +61,23 @@ std::size_t split(std::vector<SourceFace>& faces, const Cluster& cluster)
     return (cluster.begin + cluster.end) / 2;
 }
 
-// Groups the faces: one each, or clusters by place, static and dynamic ones apart.
+// Orders faces so that those of a flat figure are side by side.
+std::vector<Cluster> figures_of(std::vector<SourceFace>& faces)
+{
+    std::vector<Cluster> clusters;
+    std::vector<SourceFace> ordered;
+    for (const FlatFigure& figure : flat_figures(faces)) {
+        clusters.push_back({ordered.size(), ordered.size() + figure.faces.size(), 0, figure.outline});
+        for (const std::size_t f : figure.faces) ordered.push_back(faces[f]);
+    }
+    faces = std::move(ordered);
+    return clusters;
+}
+
+// Groups faces by place, static and dynamic ones apart.
 std::vector<Cluster> group(std::vector<SourceFace>& faces, const SizedLightOptions& options)
 {
     std::vector<Cluster> clusters;
-    if (faces.size() <= static_cast<std::size_t>(options.most_lights)) {
-        for (std::size_t i = 0; i < faces.size(); ++i) clusters.push_back({i, i + 1});
-        return clusters;
-    }
     const auto dynamic =
         std::stable_partition(faces.begin(), faces.end(), [](const SourceFace& s) { return !s.face.dynamic; });
     const auto still = static_cast<std::size_t>(dynamic - faces.begin());
@@ -84,14 +95,41 @@ std::vector<Cluster> group(std::vector<SourceFace>& faces, const SizedLightOptio
     return clusters;
 }
 
-// Finds the mean radiances of a face, over all of it and over the cells of its grid.
+// Orders objects by their faces' places and radiances. Their numbers differ between a scene that was edited and one
+// made at once, and sums of many lights must not.
+void order_by_place(std::vector<SourceFace>& faces)
+{
+    std::vector<std::pair<std::size_t, std::size_t>> objects;   // from, to
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        if (f == 0 || faces[f].face.object != faces[f - 1].face.object)
+            objects.emplace_back(f, f + 1);
+        else
+            objects.back().second = f + 1;
+    if (objects.size() < 2) return;
+    const auto key = [](const SizedFace& face) {
+        std::array<float, 15> values;
+        std::size_t k = 0;
+        for (const glm::vec3& corner : face.corner)
+            for (int axis = 0; axis < 3; ++axis) values[k++] = corner[axis];
+        for (int axis = 0; axis < 3; ++axis) values[k++] = face.radiance[axis];
+        return values;
+    };
+    std::stable_sort(objects.begin(), objects.end(), [&](const auto& a, const auto& b) {
+        for (std::size_t i = a.first, j = b.first; i < a.second && j < b.second; ++i, ++j)
+            if (const auto x = key(faces[i].face), y = key(faces[j].face); x != y) return x < y;
+        return a.second - a.first < b.second - b.first;
+    });
+    std::vector<SourceFace> ordered;
+    ordered.reserve(faces.size());
+    for (const auto& [from, to] : objects)
+        for (std::size_t f = from; f < to; ++f) ordered.push_back(std::move(faces[f]));
+    faces = std::move(ordered);
+}
+
+// Finds the mean radiances of a face with a texture, over all of it and over the cells of its grid.
 void find_radiance(SourceFace& source, int cells, std::vector<glm::vec3>& cell_radiance)
 {
     cell_radiance.clear();
-    if (!source.emission->varies()) {
-        source.face.radiance = source.emission->at(source.face.triangle[0], 0, 0, 0);
-        return;
-    }
     glm::vec3 sum(0), low(k_infinity), high(0);
     float areas = 0;
     const float size = 1 / static_cast<float>(cells);
@@ -230,17 +268,27 @@ void SizedLights::make(const SceneState& state)
         }
     }
 
-    // Find their radiance, and drop those that have none.
-    const int cells = faces.size() <= static_cast<std::size_t>(options_.most_lights) ? options_.cells : 1;
-    std::vector<std::vector<glm::vec3>> cell_radiance(cells > 1 ? faces.size() : 0);
+    // Find the flat figures among them, of those that have one radiance.
+    for (SourceFace& source : faces)
+        if (!source.emission->varies()) source.face.radiance = source.emission->at(source.face.triangle[0], 0, 0, 0);
+    std::erase_if(faces, [](const SourceFace& s) { return !s.emission->varies() && !(power(s.face) > 0); });
+    order_by_place(faces);
+    std::vector<Cluster> clusters = figures_of(faces);
+    const bool few = clusters.size() <= static_cast<std::size_t>(options_.most_lights);
+
+    // Find the radiance of the others, and group the faces if there are too many figures.
+    const int cells = few ? options_.cells : 1;
+    std::vector<std::vector<glm::vec3>> cell_radiance(few ? faces.size() : 0);
     std::vector<glm::vec3> none_of_it;
     for (std::size_t f = 0; f < faces.size(); ++f)
-        find_radiance(faces[f], cells, cells > 1 ? cell_radiance[f] : none_of_it);
-    if (cells == 1) std::erase_if(faces, [](const SourceFace& source) { return !(power(source.face) > 0); });
+        if (faces[f].emission->varies()) find_radiance(faces[f], cells, few ? cell_radiance[f] : none_of_it);
+    if (!few) {
+        std::erase_if(faces, [](const SourceFace& source) { return !(power(source.face) > 0); });
+        clusters = group(faces, options_);
+    }
     counts_.polygons = faces.size();
 
     // Make the lights.
-    const std::vector<Cluster> clusters = group(faces, options_);
     int places = options_.places;
     while (places > options_.least_places && static_cast<int>(clusters.size()) * places > options_.places_in_all)
         places /= 2;
@@ -249,9 +297,11 @@ void SizedLights::make(const SceneState& state)
         const std::span<const SourceFace> sources(faces.data() + cluster.begin, cluster.end - cluster.begin);
         SizedLight light;
         for (const SourceFace& source : sources) light.faces.push_back(source.face);
+        light.outline = cluster.outline;
         if (sources.size() == 1) {
+            light.outline = light.faces[0];
             if (!(power(light.faces[0]) > 0)) continue;
-            if (cells > 1) light.cell_radiance = cell_radiance[cluster.begin];
+            if (few) light.cell_radiance = cell_radiance[cluster.begin];
             light.cells = light.cell_radiance.empty() ? 1 : cells;
         }
         light.dynamic = light.faces[0].dynamic;

@@ -4,9 +4,9 @@
 //
 // Every triangle of an emissive material (textured or not, whatever other lights there are; unlit materials show a
 // colour and emit nothing) belongs to one light. Two triangles of a part that share an edge and lie in one plane become
-// one quadrilateral if that is convex. As long as a scene has no more polygons than SizedLightOptions::most_lights,
-// each is a light of its own. Beyond that, a tree over them groups static and dynamic polygons by place, and each of
-// its leaves is one light.
+// one quadrilateral if that is convex, and polygons of one colour that touch in one plane form a flat figure, such as a
+// disc. As long as a scene has no more figures than SizedLightOptions::most_lights, each is a light of its own. Beyond
+// that, a tree over their polygons groups static and dynamic ones by place, and each of its leaves is one light.
 //
 // A light has a fixed set of sample places, for its visibility: a (0, 2)-sequence [Sobol' 1967], the same for every
 // point that the light is seen from. Place i is bit i of a visibility mask. Places are in Morton order, so that
@@ -24,7 +24,7 @@
 namespace gnomon::scene {
 
 struct SizedLightOptions {
-    int most_lights = 64;   // exact polygons; a scene with more polygons has most_clusters lights at the most
+    int most_lights = 64;   // flat figures; a scene with more of them has most_clusters lights at the most
     int most_clusters = 16;
     int places = 256;           // of a light at the most; a power of two
     int places_in_all = 1024;   // of all lights together; halved places until they fit
@@ -41,7 +41,7 @@ struct SizedPlace {
 };
 
 struct SizedLight {
-    std::vector<SizedFace> faces;   // one: a polygon; more: a cluster
+    std::vector<SizedFace> faces;   // one: a polygon; more: a flat figure or a cluster
     std::vector<SizedPlace> places;
     /// Of a textured polygon: mean radiances over the cells [i / n, (i + 1) / n] x [j / n, (j + 1) / n] of the unit
     /// square (SizedFace::at), row by row (j); n = `cells`. Empty for a polygon of one radiance and for clusters.
@@ -51,7 +51,10 @@ struct SizedLight {
     glm::vec3 centre{0};    // of a sphere around all faces
     float radius = 0;
 
-    bool is_polygon() const { return faces.size() == 1; }
+    /// Of a light whose faces lie in one plane and have one front: a convex polygon around all of them, of three or
+    /// four corners; the face itself if there is one only. Of a cluster: 0 corners.
+    SizedFace outline{.corners = 0};
+    bool is_flat() const { return outline.corners > 0; }
 };
 
 /// What the lights stand for.

@@ -79,7 +79,7 @@ void ProvenVisibility::begin_frame(const FrameContext& frame, const scene::Sized
     std::vector<area_light::AreaLight> planar;
     planar_.assign(lights.lights().size(), k_sampled);
     for (std::size_t l = 0; l < lights.lights().size(); ++l) {
-        if (!lights.lights()[l].is_polygon()) continue;
+        if (!lights.lights()[l].is_flat()) continue;
         planar_[l] = static_cast<std::uint32_t>(planar.size());
         planar.push_back(area_light::area_light_of(lights.lights()[l]));
     }

@@ -2,7 +2,7 @@
 #pragma once
 // Visibility of lights with size by remembered, proven shadows (area_light/area_visibility.h).
 //
-// Planar lights of one polygon are answered by it; clusters of polygons, and what the technique cannot decide, by rays.
+// Flat lights, of one polygon or several, are answered by it; clusters, and what the technique cannot decide, by rays.
 // It outlives frames: make one for a scene state, and let it follow.
 
 #include "area_light/cell_places.h"

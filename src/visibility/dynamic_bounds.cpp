@@ -187,11 +187,24 @@ bool may_shadow(const Box3& blocker, const Box3& points, const Box3& light)
     return true;
 }
 
-std::size_t DynamicBounds::select(const Box3& points, const Box3& light, std::vector<Box3>& selected) const
+std::size_t DynamicBounds::select(const Box3& points, const Box3& light, std::vector<std::uint32_t>& selected) const
 {
     selected.clear();
     return tree_.find([&](const Box3& box) { return may_shadow(box, points, light); },
-                      [&](std::uint32_t dynamic_object) { selected.push_back(dynamic_[dynamic_object].world); });
+                      [&](std::uint32_t dynamic_object) { selected.push_back(dynamic_object); });
+}
+
+void DynamicBounds::objects_of(std::uint32_t index, const scene::SceneState& state,
+                               std::vector<scene::ObjectId>& objects) const
+{
+    objects.clear();
+    const DynamicObject& dynamic_object = dynamic_[index];
+    if (dynamic_object.group == scene::none) {
+        objects.push_back(dynamic_object.object);
+        return;
+    }
+    for (const scene::ObjectId o : state.scene().groups[dynamic_object.group].objects)
+        if (state.group_of(o) == dynamic_object.group) objects.push_back(o);
 }
 
 std::size_t DynamicBounds::select(const Box3& points, const glm::vec3& light, bool directional,

@@ -25,9 +25,18 @@ class DynamicBounds {
     /// @return how many boxes were tested
     std::size_t select(const Box3& points, const glm::vec3& light, bool directional, std::vector<Box3>& selected) const;
     /// The same for rays to anywhere in a box around a light with size.
-    std::size_t select(const Box3& points, const Box3& light, std::vector<Box3>& selected) const;
+    /// @param selected  indices of boxes
+    std::size_t select(const Box3& points, const Box3& light, std::vector<std::uint32_t>& selected) const;
     /// The reference implementation, which tests all boxes. Returns them in another order.
     void select_of_all(const Box3& points, const glm::vec3& light, bool directional, std::vector<Box3>& selected) const;
+
+    /// Number of boxes; an index stays its object's or its group's.
+    std::size_t size() const { return dynamic_.size(); }
+    const Box3& box(std::uint32_t index) const { return dynamic_[index].world; }
+    /// The update that last placed a box; 0: none did.
+    std::uint64_t placed_at(std::uint32_t index) const { return dynamic_[index].placed_at; }
+    /// Finds the objects in a box.
+    void objects_of(std::uint32_t index, const scene::SceneState& state, std::vector<scene::ObjectId>& objects) const;
 
  private:
     struct DynamicObject {

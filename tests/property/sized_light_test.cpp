@@ -60,7 +60,7 @@ TEST(SizedLights, TwoTrianglesOfAPlaneAreOneQuadrilateral)
         const scene::SizedLights lights = lights_of(emitter(rectangle({0.5f, 0.25f}), transform));
         ASSERT_EQ(lights.lights().size(), 1u);
         const scene::SizedLight& light = lights.lights()[0];
-        ASSERT_TRUE(light.is_polygon());
+        ASSERT_TRUE(light.is_flat());
         EXPECT_EQ(light.faces[0].corners, 4);
         EXPECT_NEAR(light.faces[0].area, 1, 1e-5);
         EXPECT_NEAR(area_of(light), 1, 1e-4);
@@ -97,6 +97,46 @@ TEST(SizedLights, ManyTrianglesBecomeFewClustersOfTheSameFlux)
         EXPECT_EQ(light.places.size(), 64u);
     }
     EXPECT_NEAR(places, faces, 1e-3f * faces);
+}
+
+// A fan of triangles around the origin in the plane y = 0, with a hole up to a part of its radius.
+scene::Mesh fan(int corners, float hole)
+{
+    scene::Mesh mesh;
+    for (int k = 0; k < corners; ++k)
+        for (const float radius : {1.0f, hole}) {
+            const double turn = 2 * k_pi * k / corners;
+            mesh.positions.emplace_back(radius * static_cast<float>(std::cos(turn)), 0,
+                                        -radius * static_cast<float>(std::sin(turn)));
+        }
+    const auto at = [&](int k, int inner) { return static_cast<std::uint32_t>(2 * (k % corners) + inner); };
+    for (int k = 0; k < corners; ++k) {
+        mesh.triangles.emplace_back(at(k, 1), at(k, 0), at(k + 1, 0));
+        if (hole > 0) mesh.triangles.emplace_back(at(k, 1), at(k + 1, 0), at(k + 1, 1));
+    }
+    mesh.parts = {{0, 0, static_cast<std::uint32_t>(mesh.triangles.size())}};
+    return mesh;
+}
+
+TEST(SizedLights, FlatFiguresAreOneLight)
+{
+    const scene::SizedLights disc = lights_of(emitter(fan(48, 0)));
+    ASSERT_EQ(disc.lights().size(), 1u);
+    const scene::SizedLight& light = disc.lights()[0];
+    EXPECT_TRUE(light.is_flat());
+    EXPECT_GT(light.faces.size(), 20u);
+    EXPECT_EQ(light.outline.corners, 4);
+    EXPECT_NEAR(light.outline.area, 4, 0.05);
+    EXPECT_NEAR(area_of(light), k_pi, 0.02);
+    EXPECT_NEAR(light.outline.normal.y, 1, 1e-6);
+    for (const scene::SizedFace& face : light.faces)
+        for (const glm::vec3& p : face.corner) EXPECT_LE(std::max(std::abs(p.x), std::abs(p.z)), 1.01f);
+
+    // A thin ring fills too little of the rectangle around it.
+    EXPECT_GT(lights_of(emitter(fan(24, 0.95f))).lights().size(), 10u);
+    // A ball has no two faces in one plane.
+    for (const scene::SizedLight& of_ball : lights_of(emitter(test::ball(0, 4, 6))).lights())
+        EXPECT_EQ(of_ball.faces.size(), 1u);
 }
 
 TEST(SizedLights, FollowWhatMovesAndWhatShines)

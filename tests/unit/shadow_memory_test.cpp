@@ -161,6 +161,17 @@ TEST(ShadowMemory, EvidenceIsFreedWhenTaken)
     EXPECT_NE(memory.evidence(8), nullptr);
 }
 
+TEST(MicroTriangles, AncestorsAreParentsOfParents)
+{
+    constexpr std::uint32_t k_level = 5;
+    for (std::uint32_t k = 0; k < 1u << (2 * k_level); ++k) {
+        const MicroTriangle part = micro_at(k, k_level);
+        MicroTriangle above = part;
+        for (std::uint32_t up = 0; up <= k_level; ++up, above = parent_of(above))
+            EXPECT_EQ(ancestor_of(part, up), above) << k << " " << up;
+    }
+}
+
 // The reference implementation: a full pyramid with a state for every part.
 struct FullPyramid {
     std::uint32_t level = 0;

@@ -268,8 +268,7 @@ scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, bool alpha,
 }
 
 // Converts specular-glossiness to metallic-roughness: the factors alone, or new textures.
-void Materials::use_glossiness(const Material::Glossiness& g, bool alpha, const std::string& pointer,
-                               scene::Material& out)
+void Materials::use_glossiness(const Glossiness& g, bool alpha, const std::string& pointer, scene::Material& out)
 {
     const glm::vec3 diffuse(g.diffuse[0], g.diffuse[1], g.diffuse[2]);
     const glm::vec3 specular(g.specular[0], g.specular[1], g.specular[2]);

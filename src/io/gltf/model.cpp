@@ -213,7 +213,7 @@ Material read_material(const json& j)
         m.emissive_strength = real(*e, "emissiveStrength", 1);
     if (const json* e = extension(j, "KHR_materials_ior")) m.ior = real(*e, "ior", 1.5f);
     if (const json* e = extension(j, "KHR_materials_pbrSpecularGlossiness")) {
-        Material::Glossiness& g = m.glossiness.emplace();
+        Glossiness& g = m.glossiness.emplace();
         array(*e, "diffuseFactor", g.diffuse);
         array(*e, "specularFactor", g.specular);
         g.glossiness = real(*e, "glossinessFactor", 1);

@@ -98,6 +98,14 @@ struct TextureInfo {
     float factor = 1;   // normal scale, occlusion strength
 };
 
+/// KHR_materials_pbrSpecularGlossiness.
+struct Glossiness {
+    std::array<float, 4> diffuse{1, 1, 1, 1};
+    std::array<float, 3> specular{1, 1, 1};
+    float glossiness = 1;
+    TextureInfo diffuse_texture, specular_texture;
+};
+
 struct Material {
     std::string name;
     std::array<float, 4> base_color{1, 1, 1, 1};
@@ -109,14 +117,7 @@ struct Material {
     bool double_sided = false;
     bool unlit = false;
     float emissive_strength = 1, ior = 1.5f, transmission = 0;
-    /// KHR_materials_pbrSpecularGlossiness; replaces metallic-roughness.
-    struct Glossiness {
-        std::array<float, 4> diffuse{1, 1, 1, 1};
-        std::array<float, 3> specular{1, 1, 1};
-        float glossiness = 1;
-        TextureInfo diffuse_texture, specular_texture;
-    };
-    std::optional<Glossiness> glossiness;
+    std::optional<Glossiness> glossiness;   // replaces metallic-roughness
 };
 
 using Attributes = std::map<std::string, Index>;
