@@ -14,7 +14,6 @@
 #include "image/changed_rectangles.h"
 #include "ray/kdtree/kdtree.h"
 #include "scene/continuation.h"
-#include "scene/emission.h"
 #include "shading/surface.h"
 #include "trace/centre_layers.h"
 #include "trace/checked_shadows.h"
@@ -89,22 +88,6 @@ auto raster_key(const RenderOptions& o)
 {
     return std::tuple(o.samples, o.layers, o.shadow_textures, o.shadow_filter, o.as_printed, o.overlay, o.indirect_on,
                       cache_key(o), map_key(o));
-}
-
-bool may_emit_in(const scene::Scene& scene)
-{
-    return std::any_of(scene.materials.begin(), scene.materials.end(), scene::may_emit);
-}
-
-std::size_t bytes_of(const shading::FrameBuffers& buffers)
-{
-    std::size_t bytes = 0;
-    for (const ImageF* image :
-         {&buffers.color, &buffers.depth, &buffers.normal, &buffers.albedo, &buffers.direct, &buffers.indirect,
-          &buffers.shadow, &buffers.variance, &buffers.irradiance, &buffers.irradiance_variance})
-        bytes += image->data.size() * sizeof(float);
-    bytes += buffers.motion.data.size() * sizeof(float) + buffers.ids.data.size() * sizeof(std::uint32_t);
-    return bytes;
 }
 
 // Bytes of the buffers of a frame.
@@ -197,7 +180,7 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
     // Move the scene.
     const bool needs_rays = options.renderer == RenderMethod::trace || options.indirect == Indirect::visible ||
                             options.ids || options.motion || settings_.always_has_rays ||
-                            (options.shadow_textures != ShadowTextures::off && may_emit_in(*scene));
+                            raster_needs_rays(*scene, options.shadow_textures);
     const bool rays_are_traced = options.renderer == RenderMethod::trace || settings_.always_has_rays;
     const Accelerator accelerator = rays_are_traced ? options.accelerator : Accelerator::embree;
     const bool continues = host && state_ && scene != scene_ && accelerator == accelerator_ && continue_with(scene);
@@ -510,7 +493,9 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
             proven_ = std::make_unique<trace::ProvenVisibility>();
         techniques.sized = &sized_;
         techniques.sized_visibility = proven_.get();
-        if (states) techniques.sized_visibility = &checked_sized.emplace(*proven_, states_, panels_of_sized());
+        if (states)
+            techniques.sized_visibility =
+                &checked_sized.emplace(*proven_, states_, panels_of(states_, sized_, *scene_));
     } else {
         proven_.reset();
     }
@@ -524,20 +509,6 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
         trace::trace_frame(*state_, *rays_, view, traced, tasks, *buffers_, techniques, request.log);
     if (accelerator_ == Accelerator::kdtree) count_kdtree(counters);
     return counters;
-}
-
-// The panel of each light with size in the overlay of shadow states; -1: none.
-std::vector<int> FrameEngine::panels_of_sized() const
-{
-    const SizedPanels panels = sized_panels(state_->scene());
-    std::vector<int> result;
-    for (const scene::SizedLight& light : sized_.lights()) {
-        const int wanted = panels.of_object[light.faces.front().object];
-        const auto number = static_cast<int>(scene_->lights.size()) + wanted;
-        const auto at = std::find(states_.lights.begin(), states_.lights.end(), number);
-        result.push_back(wanted < 0 || at == states_.lights.end() ? -1 : static_cast<int>(at - states_.lights.begin()));
-    }
-    return result;
 }
 
 void FrameEngine::count_kdtree(FrameCounters& counters) const

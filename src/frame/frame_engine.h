@@ -196,7 +196,6 @@ class FrameEngine {
     void fit_rasterizer(const RenderOptions& options);
     FrameCounters render_traced(const scene::View& view, const RenderRequest& request);
     void check_memory(std::string_view what) const;
-    std::vector<int> panels_of_sized() const;
     void count_kdtree(FrameCounters& counters) const;
 
     EngineSettings settings_;

@@ -5,6 +5,7 @@
 
 #include "base/check.h"
 #include "gnomon/error.h"
+#include "scene/emission.h"
 #ifdef GNOMON_VULKAN
 #include "raster/map_bounce.h"
 #include "raster/raster_frame.h"
@@ -14,6 +15,11 @@
 #endif
 
 namespace gnomon::frame {
+
+bool raster_needs_rays(const scene::Scene& scene, ShadowTextures shadows)
+{
+    return shadows != ShadowTextures::off && std::ranges::any_of(scene.materials, scene::may_emit);
+}
 
 #ifdef GNOMON_VULKAN
 

@@ -34,6 +34,9 @@ struct RasterSettings {
     Tasks* tasks = nullptr;
 };
 
+/// Whether a rasterizer of a scene proves what is visible of lights with size, for which it needs a ray scene.
+bool raster_needs_rays(const scene::Scene& scene, ShadowTextures shadows);
+
 class Rasterizer {
  public:
     virtual ~Rasterizer() = default;

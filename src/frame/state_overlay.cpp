@@ -197,6 +197,18 @@ SizedPanels sized_panels(const scene::Scene& scene)
     return panels;
 }
 
+std::vector<int> panels_of(const trace::StateMap& map, const scene::SizedLights& lights, const scene::Scene& scene)
+{
+    const SizedPanels panels = sized_panels(scene);
+    std::vector<int> result;
+    for (const scene::SizedLight& light : lights.lights()) {
+        const int wanted = panels.of_object[light.faces.front().object];
+        const auto at = std::find(map.lights.begin(), map.lights.end(), static_cast<int>(scene.lights.size()) + wanted);
+        result.push_back(wanted < 0 || at == map.lights.end() ? -1 : static_cast<int>(at - map.lights.begin()));
+    }
+    return result;
+}
+
 Size overlay_size(Size panel, std::size_t panels, const OverlayKind& kind)
 {
     const int dot = dot_of(panel, panels);

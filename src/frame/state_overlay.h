@@ -8,7 +8,7 @@
 #include <string>
 
 #include "base/image.h"
-#include "scene/scene.h"
+#include "scene/sized_light.h"
 #include "trace/state_map.h"
 
 namespace gnomon::frame {
@@ -34,6 +34,8 @@ struct SizedPanels {
     std::vector<int> of_object;        // panel by object; -1: none
 };
 SizedPanels sized_panels(const scene::Scene& scene);
+/// The panel of a map by light with size; -1: none.
+std::vector<int> panels_of(const trace::StateMap& map, const scene::SizedLights& lights, const scene::Scene& scene);
 
 /// Size in pixels of the whole image: panels in a grid, titles and legend. Both sides are even, as videos need.
 Size overlay_size(Size panel, std::size_t panels, const OverlayKind& kind);
