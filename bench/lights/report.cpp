@@ -20,7 +20,13 @@ constexpr int k_warm_up = 2;   // frames before the overlay, so that it shows wh
 
 std::string percent(double share)
 {
-    return fmt::format("{:.1f} %", 100 * share);
+    return fmt::format("{:.1f}\u00a0%", 100 * share);   // without a line break
+}
+
+std::string frames_of(const FrameRange& frames)
+{
+    return frames.count() == 1 ? fmt::format("frame {}", frames.first)
+                               : fmt::format("frames {} to {}", frames.first, frames.last);
 }
 
 ReportTable proofs_table(const LightsBenchResult& result)
@@ -30,15 +36,14 @@ ReportTable proofs_table(const LightsBenchResult& result)
         "What is known of each light at the points that it could reach: parts of surfaces that see all of it, none of "
         "it, or some of it past remembered triangles; unproven ones are decided by rays. Wrong: segments that "
         "contradict a proven answer. The error is of the visible share of the irradiance.";
-    table.columns = {"light",    "points",          "lit",      "dark", "penumbra",     "unproven", "wrong",
-                     "segments", "first frame, ms", "then, ms", "RMSE", "largest error"};
+    table.columns = {"light", "points",    "lit",      "dark", "penumbra", "unproven",
+                     "wrong", "first, ms", "then, ms", "RMSE", "at most"};
     for (const LightsBenchResult::Row& r : result.rows)
-        table.rows.push_back(
-            {{r.light, fmt::format("{}", r.points), percent(r.lit), percent(r.dark), percent(r.penumbra),
-              percent(r.unproven), fmt::format("{}", r.wrong), fmt::format("{}", r.segments),
-              fmt::format("{:.1f}", r.ms_cold), fmt::format("{:.1f}", r.ms_steady), fmt::format("{:.5f}", r.error.rmse),
-              fmt::format("{:.4f}", r.error.max_abs)},
-             false});
+        table.rows.push_back({{r.light, fmt::format("{}", r.points), percent(r.lit), percent(r.dark),
+                               percent(r.penumbra), percent(r.unproven), fmt::format("{} of {}", r.wrong, r.segments),
+                               fmt::format("{:.0f}", r.ms_cold), fmt::format("{:.0f}", r.ms_steady),
+                               fmt::format("{:.5f}", r.error.rmse), fmt::format("{:.4f}", r.error.max_abs)},
+                              false});
     return table;
 }
 
@@ -151,8 +156,8 @@ void add_lights_section(ReportPage& page, const std::string& command, const Ligh
     page.section("Lights with size", command);
     page.text(fmt::format(
         "Point and spot lights are squares with sides of {} m; emissive polygons are what they are. The points are the "
-        "primary hits of frames {} to {}, {} x {} pixels. {:.1f} MB are remembered.",
-        options.side, options.frames.first, options.frames.last, options.size.width, options.size.height,
+        "primary hits of {}, {} x {} pixels. {:.1f} MB are remembered.",
+        options.side, frames_of(options.frames), options.size.width, options.size.height,
         static_cast<double>(result.bytes) / 1e6));
     page.table(proofs_table(result));
     page.table(rays_table(result));
