@@ -29,6 +29,8 @@ class TriangleList {
     void clear() { count_ = 0; }
     void push(const glm::vec3 (&corner)[3]) { push_corners({corner[0], corner[1], corner[2], corner[2]}, 3); }
     void push(const glm::vec3 (&corner)[4]) { push_corners({corner[0], corner[1], corner[2], corner[3]}, 4); }
+    /// Adds the two triangles of a quadrilateral to another list.
+    void push_halves(std::size_t entry, TriangleList& halves) const;
     /// Repeats the last entry to the end of its vector. Call after the last push().
     void pad();
     std::size_t size() const { return count_; }
