@@ -23,6 +23,7 @@ namespace {
 using Method = raster::SizedDirectOptions::Method;
 
 constexpr double k_least_light = 0.01;          // of the mean: pixels with less are left out
+constexpr float k_same_surface = 0.01f;         // of albedo and normal, by channel
 constexpr float k_same_depth = 1e-3f;           // relative
 constexpr double k_dark = 1e-3, k_leak = 0.1;   // visible fractions
 
@@ -103,7 +104,8 @@ RasterLightsResult compare_raster_lights(const std::shared_ptr<const scene::Scen
     result.device = device->info().name;
     result.clock = device->info().kind == "software" ? "process CPU time" : "wall time";
     const Frame truth = traced(scene, frame, size, camera);
-    const std::vector<float> light = layer(truth, "direct").copy(), depth = layer(truth, "depth").copy();
+    const std::vector<float> light = layer(truth, "direct").copy(), depth = layer(truth, "depth").copy(),
+                             albedo = layer(truth, "albedo").copy(), normal = layer(truth, "normal").copy();
     result.traced = ImageF(size.width, size.height, 3);
     result.traced.data = light;
 
@@ -115,10 +117,16 @@ RasterLightsResult compare_raster_lights(const std::shared_ptr<const scene::Scen
     double mean = 0;
     for (std::size_t i = 0; i < depth.size(); ++i) mean += brightness(whole, i) / static_cast<double>(depth.size());
     std::vector<std::size_t> compared;
+    const shading::FrameBuffers& seen_by_raster = unshadowed.buffers();
+    const auto same_surface = [&](std::size_t i) {
+        bool same = std::abs(depth[i] - seen_by_raster.depth.data[i]) <= k_same_depth * depth[i];
+        for (std::size_t c = 3 * i; c < 3 * i + 3; ++c)
+            same = same && std::abs(albedo[c] - seen_by_raster.albedo.data[c]) <= k_same_surface &&
+                   std::abs(normal[c] - seen_by_raster.normal.data[c]) <= k_same_surface;
+        return same;
+    };
     for (std::size_t i = 0; i < depth.size(); ++i)
-        if (brightness(whole, i) > k_least_light * mean &&
-            std::abs(depth[i] - unshadowed.buffers().depth.data[i]) <= k_same_depth * depth[i])
-            compared.push_back(i);
+        if (brightness(whole, i) > k_least_light * mean && same_surface(i)) compared.push_back(i);
     result.pixels = static_cast<double>(compared.size());
 
     struct Way {
