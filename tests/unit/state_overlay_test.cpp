@@ -50,10 +50,10 @@ TEST(StateOverlay, WrongOverridesAllOtherMarks)
     EXPECT_NE(cell_color({StateMark::none, true, false, false}, 255), cell_color({StateMark::none}, 255));
 }
 
-// Three bits encode eight marks, of which seven are in use.
+// Three bits encode eight marks, and all are in use.
 TEST(StateOverlay, InvalidMarkIsAnInternalError)
 {
-    EXPECT_THROW(cell_color(StateCell::of(7), 40), InternalError);
+    static_assert(trace::k_state_marks == StateCell::k_mark + 1);
     EXPECT_THROW(frame::state_color(static_cast<StateMark>(trace::k_state_marks)), InternalError);
 }
 
