@@ -248,6 +248,22 @@ bool add_blocked_of(const glm::vec3& point, const TriangleList& triangles, const
     return any || by_halves;
 }
 
+void for_each_blocker_of(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places,
+                         const std::function<void(std::size_t, const PlaceMask&)>& hides)
+{
+    Functions f;
+    for (std::size_t first = 0; first < triangles.size(); first += Functions::k_lanes) {
+        find_functions(point, triangles, first, places, f);
+        const std::size_t count = std::min(Functions::k_lanes, triangles.size() - first);
+        for (std::size_t lane = 0; lane < count; ++lane) {
+            if (f.meets[lane] == 0 || !(f.first_row[lane] <= f.last_row[lane])) continue;
+            PlaceMask mask{};
+            add_runs(f, lane, static_cast<std::size_t>(triangles.corners(first + lane)), mask);
+            hides(first + lane, mask);
+        }
+    }
+}
+
 }   // namespace gnomon::area_light::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -257,10 +273,17 @@ HWY_AFTER_NAMESPACE();
 namespace gnomon::area_light {
 
 HWY_EXPORT(add_blocked_of);
+HWY_EXPORT(for_each_blocker_of);
 
 bool add_blocked(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places, PlaceMask& blocked)
 {
     return HWY_DYNAMIC_DISPATCH(add_blocked_of)(point, triangles, places, blocked);
+}
+
+void for_each_blocker(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places,
+                      const std::function<void(std::size_t, const PlaceMask&)>& hides)
+{
+    HWY_DYNAMIC_DISPATCH(for_each_blocker_of)(point, triangles, places, hides);
 }
 
 void TriangleList::grow()

@@ -13,6 +13,7 @@
 // Results are the same for any instruction set, and do not depend on triangles that hide nothing.
 // Cost: some 20 ns for a triangle that the point's cone to the light misses, and 100 for one that it meets (AVX-512).
 
+#include <functional>
 #include <span>
 
 #include "area_light/light_places.h"
@@ -56,6 +57,10 @@ class TriangleList {
 /// Adds to `blocked` the places that triangles hide from a point, of those inside the light.
 /// @return  whether any of them may hide one
 bool add_blocked(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places, PlaceMask& blocked);
+
+/// Calls hides(entry, mask) for each triangle of a list that may hide places, with what it alone hides.
+void for_each_blocker(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places,
+                      const std::function<void(std::size_t, const PlaceMask&)>& hides);
 
 /// The same for one place and one triangle, in the same arithmetic: the reference.
 bool blocks_place(const glm::vec3& point, const glm::vec3 (&corner)[3], const LightPlaces& places, int row, int place);

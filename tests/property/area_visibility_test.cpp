@@ -5,6 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
+#include "scene_helpers.h"
 #include "soup.h"
 
 namespace gnomon::area_light {
@@ -142,6 +145,62 @@ void expect_right(std::uint64_t first, std::uint64_t last)
 TEST(AreaVisibility, SeesPastWhatMovesAsPastAllTriangles)
 {
     expect_right(1, 60);
+}
+
+// A floor under a chessboard of holes and a square light: what is looked up is what rays find, place by place.
+TEST(AreaVisibility, LooksUpTheHolesThatRaysPassThrough)
+{
+    scene::Scene scene;
+    test::add_materials(scene);
+    const auto add_square = [&](float half, float height, scene::MaterialId material) {
+        scene::Mesh mesh;
+        mesh.positions = {{-half, height, -half}, {-half, height, half}, {half, height, half}, {half, height, -half}};
+        mesh.texcoords[0] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};
+        mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+        mesh.parts = {{material, 0, 2}};
+        scene.meshes.push_back(std::move(mesh));
+        test::add_object(scene, static_cast<scene::MeshId>(scene.meshes.size() - 1));
+    };
+    add_square(2, 0, test::two_sided);
+    add_square(1, 0.6f, test::cut_out);
+    scene.finish();
+    const auto finished = std::make_shared<const scene::Scene>(std::move(scene));
+    const scene::SceneState state(finished, 0);
+    const ray::RayScene rays(state);
+    AreaLight light;
+    light.shape =
+        LightPolygon{{{{-0.4f, 2, -0.4f}, {0.4f, 2, -0.4f}, {0.4f, 2, 0.4f}, {-0.4f, 2, 0.4f}}}, 4, {0, -1, 0}};
+    AreaVisibility visibility(state, rays);
+    visibility.follow(state, rays, {&light, 1});
+    Random random(3);
+    std::vector<ShadowPoint> points;
+    for (const ShadowPoint& p : random_points(*finished, rays, random, 400))
+        if (p.object == 0 && p.normal.y > 0) points.push_back(p);
+    std::vector<std::uint32_t> asked(points.size());
+    std::iota(asked.begin(), asked.end(), 0u);
+    AreaVisibility::Scratch scratch;
+    AreaVisibility::Answers answers;
+    visibility.find(scratch, points, asked, 0, answers);
+    EXPECT_EQ(scratch.counters.rays, 0u);
+    const LightPlaces places(light.shape);
+    double squares = 0, holed = 0;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        int seen = 0, expected = 0;
+        if (answers.answer[k] == AreaVisibility::Answer::lit) seen = places.count();
+        if (answers.answer[k] == AreaVisibility::Answer::partial)
+            for (const std::uint8_t count : answers.cells[answers.at[k]]) seen += count;
+        for (int r = 0; r < k_rows; ++r)
+            for (int i = 0; i < k_row_places; ++i)
+                if (places.inside()[static_cast<std::size_t>(r)] >> i & 1)
+                    expected += !rays.occluded_single(points[k].origin, 0, places.position(r, i) - points[k].origin,
+                                                      ray::k_shadow_ray_end, ray::Against::static_only);
+        const double difference = static_cast<double>(seen - expected) / places.count();
+        EXPECT_LE(std::abs(difference), 0.03) << k;
+        squares += difference * difference;
+        holed += expected > 0 && expected < places.count();
+    }
+    EXPECT_GT(holed, 20);
+    EXPECT_LE(std::sqrt(squares / static_cast<double>(points.size())), 0.006);
 }
 
 TEST(AreaVisibilityFull, SeesPastWhatMovesAsPastAllTrianglesInAThousandSoups)
