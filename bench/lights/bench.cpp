@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <functional>
 
-#include "area_light/area_visibility.h"
+#include "area_light/cell_places.h"
 #include "base/clocks.h"
 #include "base/random.h"
 #include "bench/core/bench_points.h"
+#include "bench/lights/squares.h"
 #include "ray/origin.h"
 #include "scene/sized_light.h"
 #include "scene/view.h"
@@ -30,15 +31,10 @@ struct NamedLight {
 
 AreaLight square(const glm::vec3& centre, const glm::vec3& direction, float side, bool dynamic)
 {
-    glm::vec3 u, v;
-    make_basis(direction, u, v);
-    const glm::vec3 a = 0.5f * side * u, b = 0.5f * side * v;
     AreaLight light;
-    light.shape.outline.corner = {centre - a - b, centre + a - b, centre + a + b, centre - a + b};
+    light.shape.outline.corner = square_corners(centre, direction, side);
     light.shape.outline.corners = 4;
     light.shape.outline.normal = direction;
-    if (glm::dot(glm::cross(a, b), direction) < 0)
-        std::swap(light.shape.outline.corner[1], light.shape.outline.corner[3]);
     light.dynamic = dynamic;
     return light;
 }
@@ -49,7 +45,7 @@ std::vector<NamedLight> lights_of(const scene::SceneState& state, scene::SizedLi
     const scene::Scene& scene = state.scene();
     for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
         const scene::Light& light = scene.lights[l];
-        if (light.type == scene::LightType::directional || light.of_surface || light.of_environment) continue;
+        if (!becomes_square(light)) continue;
         const scene::LightState& at = state.light(l);
         bool moves = false;
         for (scene::NodeId n = light.node; n != scene::none; n = scene.nodes[n].parent)
@@ -62,16 +58,8 @@ std::vector<NamedLight> lights_of(const scene::SceneState& state, scene::SizedLi
     for (const scene::SizedLight& light : sized.lights()) {
         ++number;
         if (!light.is_flat()) continue;
-        AreaLight area;
-        const auto polygon = [](const scene::SizedFace& face) {
-            return area_light::LightPolygon{face.corner, face.corners, face.normal};
-        };
-        area.shape.outline = polygon(light.outline);
-        if (light.faces.size() > 1)
-            for (const scene::SizedFace& face : light.faces) area.shape.faces.push_back(polygon(face));
-        area.two_sided = light.outline.two_sided;
-        area.dynamic = light.dynamic;
-        lights.push_back({fmt::format("emissive {} {}", light.faces.size() > 1 ? "figure" : "polygon", number), area});
+        lights.push_back({fmt::format("emissive {} {}", light.faces.size() > 1 ? "figure" : "polygon", number),
+                          area_light::area_light_of(light)});
     }
     return lights;
 }

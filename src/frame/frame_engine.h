@@ -221,6 +221,7 @@ class FrameEngine {
     std::unique_ptr<light_quadtree::MapLight> map_;
     std::unique_ptr<Rasterizer> raster_;
     RenderOptions cache_options_, map_options_, raster_options_;   // that these were made with
+    const ray::RayScene* raster_rays_ = nullptr;                   // that the rasterizer was made with
 
     FrameMemory memory_;
     std::shared_ptr<shading::FrameBuffers> buffers_ = memory_.take();
