@@ -17,7 +17,7 @@ import sys
 k_scene = {"base", "scene"}
 k_rays = k_scene | {"ray"}
 k_techniques = {"shadow_culling", "area_light", "shadow_textures", "light_quadtree", "irradiance_cache"}
-k_frame = k_rays | k_techniques | {"io", "image", "vk", "gpu_scene", "lighting", "visibility", "shading", "light_views",
+k_frame = k_rays | k_techniques | {"io", "image", "vk", "gpu_scene", "lighting", "visibility", "shading", "patches", "light_views",
                                    "trace", "raster", "reference"}
 k_may_include = {
     "base": set(),
@@ -29,6 +29,7 @@ k_may_include = {
     "lighting": k_rays,
     "visibility": k_rays,
     "shading": k_rays | {"lighting"},
+    "patches": k_rays | {"lighting", "visibility", "shading"},
     "gpu_scene": k_scene | {"vk"},
     "ray/vulkan": k_rays | {"vk", "gpu_scene"},
     "light_views": k_rays | {"vk", "gpu_scene"},
@@ -36,7 +37,7 @@ k_may_include = {
     "area_light": k_rays | {"visibility"},
     "shadow_textures": k_rays | {"vk", "gpu_scene", "light_views"},
     "light_quadtree": k_rays | {"vk", "gpu_scene", "light_views", "lighting", "visibility"},
-    "irradiance_cache": k_rays | {"vk", "gpu_scene", "light_views", "lighting", "visibility", "ray/vulkan"},
+    "irradiance_cache": k_rays | {"vk", "gpu_scene", "light_views", "lighting", "visibility", "ray/vulkan", "patches"},
     "reference": k_rays | {"lighting", "visibility", "shading"},
     "trace": k_rays | {"lighting", "visibility", "shading", "shadow_culling", "area_light", "light_quadtree", "irradiance_cache"},
     "raster": k_rays | {"vk", "gpu_scene", "lighting", "visibility", "shading", "light_views", "shadow_textures",
