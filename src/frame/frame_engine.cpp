@@ -51,7 +51,7 @@ class DiscardOnFailure {
 
 irradiance_cache::CacheOptions cache_options(const RenderOptions& options)
 {
-    irradiance_cache::CacheOptions result;
+    auto result = irradiance_cache::options_for_bounces(options.bounces, options.renderer == RenderMethod::trace);
     result.memory = static_cast<std::size_t>(options.indirect_memory) << 20;
     return result;
 }
@@ -74,7 +74,7 @@ light_quadtree::MapLightOptions map_options(const RenderOptions& options)
 // The options that a technique is made with: while they stay, so does the technique.
 auto cache_key(const RenderOptions& o)
 {
-    return o.indirect_memory;
+    return std::tuple(o.indirect_memory, o.bounces);
 }
 
 auto map_key(const RenderOptions& o)
@@ -480,7 +480,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     std::optional<ReferenceIndirect> reference;
     if (plan_.cache) {
         cache_->limit_rays(request.indirect_ray_limit);
-        techniques.indirect = &cached.emplace(*cache_);
+        techniques.indirect = &cached.emplace(*cache_, trace::CachedIndirectOptions{.bounces = options_.bounces});
     } else if (plan_.map) {
         techniques.indirect = &mapped.emplace(*map_);
     } else if (plan_.reference) {

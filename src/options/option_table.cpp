@@ -27,7 +27,8 @@ constexpr SubcommandInfo k_subcommands[] = {
     {bench_shadow_textures, "bench shadow-textures", "", 0, "measure shadow textures on Vulkan", true},
     {bench_indirect, "bench indirect", "SCENE", 1, "compare methods for indirect light with a path-traced reference",
      true},
-    {bench_lights, "bench lights", "SCENE", 1, "measure proven visibility of lights with size beside shadow rays", true},
+    {bench_lights, "bench lights", "SCENE", 1, "measure proven visibility of lights with size beside shadow rays",
+     true},
     {bench_all, "bench all", "--report DIR", 0, "write one page with measurements for all papers", true},
 };
 
@@ -226,9 +227,12 @@ constexpr Option k_options[] = {
              "with --report, every method of the paper)"},
     {.name = "indirect", .argument = "HOW", .kind = Kind::choice, .fallback = "visible", .choices = k_choices<Indirect>,
      .subcommands = k_images, .group = k_indirect,
-     .help = "method for one-bounce indirect light. visible: irradiance cache, with shadows and without noise; quadtree: "
-             "clusters of lit surfaces, as published in 2007; rsm: samples of a reflective shadow map; the latter two "
-             "without shadows"},
+     .help = "method for indirect light. visible: irradiance cache, all bounces, with shadows and without noise; "
+             "quadtree: clusters of lit surfaces, as published in 2007; rsm: samples of a reflective shadow map; the "
+             "latter two have one bounce without shadows"},
+    {.name = "bounces", .argument = "N|all", .kind = Kind::integer_or_all, .fallback = "all",
+     .range = ranges::reference_bounces, .subcommands = k_images, .group = k_indirect,
+     .help = "diffuse bounces of method visible, and of the reference, where 0 is direct light alone"},
     {.name = "indirect-memory", .argument = "MB", .kind = Kind::integer, .fallback = "16", .range = ranges::indirect_memory,
      .subcommands = k_images | bit(bench_indirect), .group = k_indirect,
      .help = "visible: size of the irradiance cache, at least twice the points of a frame; points unseen for longest are "
@@ -272,7 +276,8 @@ constexpr Option k_options[] = {
     {.name = "keep-references", .argument = "DIR", .kind = Kind::text, .subcommands = bit(bench_indirect),
      .group = k_reference, .help = "folder in which references are kept and reused"},
     {.name = "bounces", .argument = "N", .kind = Kind::integer, .fallback = "1", .range = ranges::bounces,
-     .subcommands = bit(render), .group = k_reference, .help = "diffuse bounces of the reference; 0: direct light only"},
+     .subcommands = bit(bench_indirect), .group = k_reference,
+     .help = "diffuse bounces of the reference, and of method visible; 1000: all"},
     {.name = "seed", .argument = "S", .kind = Kind::integer, .fallback = "0", .range = {0, k_many},
      .subcommands = bit(render), .group = k_reference, .help = "seed of the reference's random numbers"},
 

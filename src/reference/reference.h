@@ -48,6 +48,7 @@ struct ReferenceOptions {
     std::uint64_t seed = 0;
     bool surroundings = false;   // also light from the background (see above)
     bool shining = false;
+    bool shining_unbounced = true;   // with `shining`: emission also reaches the points themselves
 };
 
 /// A point whose irradiance is computed.
