@@ -17,10 +17,12 @@ namespace {
 
 constexpr std::uint16_t k_no_code = 0xffff, k_crossed = 0x8000;
 constexpr std::uint32_t k_most_level = 9;
-constexpr double k_fewer = 0.7;   // patches aimed at, until there are few enough
+constexpr int k_more_levels = 2;    // for parts longer than patches are wide,
+constexpr float k_sliver = 0.01f;   // if they have this area in squares of that width
+constexpr double k_fewer = 0.7;     // patches aimed at, until there are few enough
 constexpr float k_most_albedo = 0.98f;
-constexpr std::size_t k_tries = 6;   // places that a point of a crossed part is tested against
-constexpr float k_shrink = 0.98f;    // corners of a part, towards its middle
+constexpr std::size_t k_tries = 12;   // places that a point of a crossed part is tested against
+constexpr float k_shrink = 0.98f;     // corners of a part, towards its middle
 constexpr std::size_t k_cells_at_once = 64, k_triangles_at_once = 4096, k_patches_at_once = 256;
 
 }   // namespace
@@ -181,10 +183,22 @@ void SurfacePatches::divide(const ray::RayScene& rays, const std::function<float
 {
     first_part_.assign(1, 0);
     level_.assign(area_.size(), 0);
+    const auto longest_edge = [&](std::uint32_t triangle) {
+        const scene::ObjectId index = object_of(triangle);
+        glm::vec3 p[3];
+        rays.geometry(objects_[index]).corners(triangle - first_triangle_[index], p);
+        return std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
+    };
     for (std::uint32_t t = 0; t < area_.size(); ++t) {
         float area = area_[t];
         const float side = width(t) / options_.parts;
         while (area > side * side && level_[t] < k_most_level) area *= 0.25f, ++level_[t];
+        // Divide long parts further, unless they are slivers.
+        float edge = longest_edge(t) / static_cast<float>(1u << level_[t]);
+        for (int more = 0; more < k_more_levels && edge > width(t) && level_[t] < k_most_level; ++more) {
+            if (area < k_sliver * width(t) * width(t)) break;
+            area *= 0.25f, edge *= 0.5f, ++level_[t];
+        }
         first_part_.push_back(first_part_.back() + (area > 0 ? 1u << (2 * level_[t]) : 0));
     }
     parts.assign(first_part_.back(), {});
