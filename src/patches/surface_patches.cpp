@@ -18,7 +18,7 @@ namespace {
 constexpr std::uint16_t k_no_code = 0xffff, k_crossed = 0x8000;
 constexpr std::uint32_t k_most_level = 9;
 constexpr int k_more_levels = 2;    // for parts longer than patches are wide,
-constexpr float k_sliver = 0.01f;   // if they have this area in squares of that width
+constexpr float k_sliver = 0.06f;   // if they have this area in squares of that width
 constexpr double k_fewer = 0.7;     // patches aimed at, until there are few enough
 constexpr float k_most_albedo = 0.98f;
 constexpr std::size_t k_tries = 12;   // places that a point of a crossed part is tested against

@@ -34,7 +34,7 @@ struct PatchOptions {
     int separated = 4;             // patches of a cell, at most
     float lift = 0.1f;             // height at which places of a cell see each other, in widths of a cube
     float crossed_lift = 0.001f;   // the same for the places of a part
-    float crossed_area = 0.015f;   // parts below this area, in squares of that width, are not tested for crossings
+    float crossed_area = 0.003f;   // parts below this area, in squares of that width, are not tested for crossings
 };
 
 /// A point of a patch that represents some of its surface.
