@@ -2,9 +2,10 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "api/scene_access.h"
-#include "bench/lights/bench.h"
+#include "bench/lights/report.h"
 #include "cli/subcommands.h"
 #include "scene/view.h"
 
@@ -27,40 +28,39 @@ int run_bench_lights(const CommandLine& line, Output& output)
         options.samples.clear();
         for (const std::string& n : samples) options.samples.push_back(static_cast<int>(*options::parse_number(n)));
     }
+    std::optional<bench::ReportFile> report;
+    if (values.given("report")) report.emplace(values.text("report"));
     const bench::LightsBenchResult result = bench::bench_lights(api::scene_of(scene), options, output.progress());
 
-    nlohmann::ordered_json rows = nlohmann::ordered_json::array(), opponents = rows;
     const auto percent = [](double share) { return 100 * share; };
-    for (const bench::LightsBenchResult::Row& r : result.rows) {
+    for (const bench::LightsBenchResult::Row& r : result.rows)
         output.say(
             fmt::format("{}: {} points, lit {:.1f} %, dark {:.1f} %, penumbra {:.1f} %, unproven {:.2f} %; {} of {} "
                         "segments contradict; {:.1f} ms at first, then {:.1f} ms; error {:.5f}, at most {:.4f}",
                         r.light, r.points, percent(r.lit), percent(r.dark), percent(r.penumbra), percent(r.unproven),
                         r.wrong, r.segments, r.ms_cold, r.ms_steady, r.error.rmse, r.error.max_abs));
-        rows.push_back({{"light", r.light},
-                        {"points", r.points},
-                        {"lit", r.lit},
-                        {"dark", r.dark},
-                        {"penumbra", r.penumbra},
-                        {"unproven", r.unproven},
-                        {"segments", r.segments},
-                        {"wrong", r.wrong},
-                        {"ms_cold", r.ms_cold},
-                        {"ms_steady", r.ms_steady},
-                        {"rmse", r.error.rmse},
-                        {"max_abs", r.error.max_abs},
-                        {"listed_triangles", r.triangles}});
-    }
-    for (const bench::LightsBenchResult::Opponent& o : result.opponents) {
+    for (const bench::LightsBenchResult::Opponent& o : result.opponents)
         output.say(fmt::format("{} rays a point: {:.1f} ms; error {:.5f}, at most {:.4f}", o.samples, o.ms,
                                o.error.rmse, o.error.max_abs));
-        opponents.push_back(
-            {{"samples", o.samples}, {"ms", o.ms}, {"rmse", o.error.rmse}, {"max_abs", o.error.max_abs}});
-    }
     output.say(fmt::format("error of the truth itself {:.5f}; {:.1f} MB", result.truth_rmse,
                            static_cast<double>(result.bytes) / 1e6));
-    output.finish(
-        {{"rows", rows}, {"opponents", opponents}, {"truth_rmse", result.truth_rmse}, {"bytes", result.bytes}});
+    if (!report) {
+        output.finish(bench::lights_json(result, nullptr));
+        return 0;
+    }
+    const bench::LightsImages images = bench::lights_images(api::scene_of(scene), options, output.progress());
+    for (const bench::RasterLightsRow& r : images.raster.rows)
+        output.say(
+            fmt::format("rasterised, {}: error {:.4f}, at most {:.3f}; {} of {} dark pixels see a tenth of the "
+                        "light or more; {:.0f} ms at first, {:.0f} ms for another view, {:.0f} ms if nothing "
+                        "changed",
+                        r.method, r.rmse, r.max_abs, r.leaks, r.darkest, r.ms_first, r.ms_view, r.ms_still));
+    const nlohmann::ordered_json document = bench::lights_json(result, &images);
+    bench::ReportPage page("Gnomon: lights with size", bench::machine_line(1));
+    bench::add_lights_section(page, line.command, options, result, images, document);
+    report->write(page);
+    output.say(fmt::format("report     {}", report->path().string()));
+    output.finish(document);
     return 0;
 }
 

@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <functional>
 
-#include "area_light/area_visibility.h"
+#include "area_light/cell_places.h"
 #include "base/clocks.h"
 #include "base/random.h"
 #include "bench/core/bench_points.h"
+#include "bench/lights/squares.h"
 #include "ray/origin.h"
 #include "scene/sized_light.h"
 #include "scene/view.h"
@@ -30,15 +31,10 @@ struct NamedLight {
 
 AreaLight square(const glm::vec3& centre, const glm::vec3& direction, float side, bool dynamic)
 {
-    glm::vec3 u, v;
-    make_basis(direction, u, v);
-    const glm::vec3 a = 0.5f * side * u, b = 0.5f * side * v;
     AreaLight light;
-    light.shape.outline.corner = {centre - a - b, centre + a - b, centre + a + b, centre - a + b};
+    light.shape.outline.corner = square_corners(centre, direction, side);
     light.shape.outline.corners = 4;
     light.shape.outline.normal = direction;
-    if (glm::dot(glm::cross(a, b), direction) < 0)
-        std::swap(light.shape.outline.corner[1], light.shape.outline.corner[3]);
     light.dynamic = dynamic;
     return light;
 }
@@ -49,7 +45,7 @@ std::vector<NamedLight> lights_of(const scene::SceneState& state, scene::SizedLi
     const scene::Scene& scene = state.scene();
     for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
         const scene::Light& light = scene.lights[l];
-        if (light.type == scene::LightType::directional || light.of_surface || light.of_environment) continue;
+        if (!becomes_square(light)) continue;
         const scene::LightState& at = state.light(l);
         bool moves = false;
         for (scene::NodeId n = light.node; n != scene::none; n = scene.nodes[n].parent)
@@ -62,16 +58,8 @@ std::vector<NamedLight> lights_of(const scene::SceneState& state, scene::SizedLi
     for (const scene::SizedLight& light : sized.lights()) {
         ++number;
         if (!light.is_flat()) continue;
-        AreaLight area;
-        const auto polygon = [](const scene::SizedFace& face) {
-            return area_light::LightPolygon{face.corner, face.corners, face.normal};
-        };
-        area.shape.outline = polygon(light.outline);
-        if (light.faces.size() > 1)
-            for (const scene::SizedFace& face : light.faces) area.shape.faces.push_back(polygon(face));
-        area.two_sided = light.outline.two_sided;
-        area.dynamic = light.dynamic;
-        lights.push_back({fmt::format("emissive {} {}", light.faces.size() > 1 ? "figure" : "polygon", number), area});
+        lights.push_back({fmt::format("emissive {} {}", light.faces.size() > 1 ? "figure" : "polygon", number),
+                          area_light::area_light_of(light)});
     }
     return lights;
 }
@@ -190,6 +178,7 @@ struct LightSums {
 
 constexpr std::uint32_t k_targets = 1024;   // places that checks choose from
 constexpr int k_truth = 2048;               // places of each half of the truth
+constexpr int k_most_compared = 8;          // frames that are compared with it, of many; fewer than twice as many are
 
 class LightsBench {
  public:
@@ -212,6 +201,7 @@ class LightsBench {
     {
         const int frames = options_.frames.count();
         for (int f = 0; f < frames; ++f) {
+            compared_ += f % std::max(1, frames / k_most_compared) == 0;
             begin_frame(f);
             for (std::size_t l = 0; l < lights_.size(); ++l) {
                 const double done = (f + static_cast<double>(l) / static_cast<double>(lights_.size())) / frames;
@@ -219,10 +209,10 @@ class LightsBench {
                 find_asked(l);
                 time(l, f == 0);
                 check(l, 977 * static_cast<std::uint64_t>(f) + l);
-                compare(l);
+                if (f % std::max(1, frames / k_most_compared) == 0) compare(l);
             }
         }
-        return result(frames);
+        return result();
     }
 
  private:
@@ -367,7 +357,7 @@ class LightsBench {
         }
     }
 
-    LightsBenchResult result(int frames) const
+    LightsBenchResult result() const
     {
         LightsBenchResult result;
         for (std::size_t l = 0; l < lights_.size(); ++l) {
@@ -388,7 +378,7 @@ class LightsBench {
         }
         for (std::size_t s = 0; s < options_.samples.size(); ++s)
             result.opponents.push_back({options_.samples[s],
-                                        opponent_ms_[s] / (static_cast<double>(lights_.size()) * frames),
+                                        opponent_ms_[s] / (static_cast<double>(lights_.size()) * compared_),
                                         opponent_errors_[s].error()});
         result.truth_rmse = truth_noise_.error().rmse;
         result.bytes = visibility_.bytes();
@@ -405,6 +395,7 @@ class LightsBench {
     std::vector<LightSums> sums_;
     std::vector<Sums> opponent_errors_;
     std::vector<double> opponent_ms_;
+    int compared_ = 0;   // frames
     Sums truth_noise_;
     PointTracer tracer_;
     std::vector<std::vector<ShadowPoint>> tiles_;     // of the present frame

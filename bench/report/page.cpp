@@ -184,7 +184,7 @@ void ReportPage::gallery(const std::vector<NamedImage>& images, const std::strin
     for (const NamedImage& one : images)
         content +=
             fmt::format("<div>{}<span>{}</span></div>\n", image_tag(one.image, "small", one.name), html_text(one.name));
-    body_ += figure("gallery", content + "</div>\n", caption, command_);
+    body_ += figure(images.size() == 1 ? "gallery single" : "gallery", content + "</div>\n", caption, command_);
 }
 
 void ReportPage::attach(const std::string& name, const Json& document)

@@ -62,7 +62,7 @@ class ReportPage {
     void table(const ReportTable& table);
     void chart(const Chart& chart, const std::string& caption);
     void comparison(const ImageComparison& images);
-    /// Adds small images side by side.
+    /// Adds small images side by side, or a single image over the width of the page.
     void gallery(const std::vector<NamedImage>& images, const std::string& caption);
     /// Adds data to download. @param name  the file name offered
     void attach(const std::string& name, const nlohmann::ordered_json& document);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "api/scene_access.h"
@@ -65,26 +66,46 @@ void set_overlay(const Image8& image, Frame& result)
 std::vector<int> overlay_lights(const scene::Scene& scene, const RenderOptions& options)
 {
     const int count = static_cast<int>(scene.lights.size());
-    if (count == 0) throw UsageError("an overlay of shadow states needs a light: the scene has none");
-    std::vector<int> lights;
+    const bool paper = options.shadow_culling == ShadowCulling::paper;
+    const auto panels = paper ? 0 : static_cast<int>(frame::sized_panels(scene).titles.size());
+    const int all = count + panels;
+    if (all == 0) throw UsageError("an overlay of shadow states needs a light: the scene has none");
+    const auto left_out = [&](int l) {
+        return panels > 0 && l < count && scene.lights[static_cast<std::size_t>(l)].of_surface;
+    };
     if (options.overlay_light) {
-        if (*options.overlay_light < 0 || *options.overlay_light >= count)
-            throw UsageError(
-                fmt::format("no light {}: the scene has {}, numbered from 0", *options.overlay_light, count));
-        return {*options.overlay_light};
+        const int light = *options.overlay_light;
+        if (light < 0 || light >= all)
+            throw UsageError(fmt::format("no light {}: the scene has {}, numbered from 0", light, all));
+        // For a light that approximates a surface, show the first light with size.
+        return {left_out(light) ? count : light};
     }
-    for (int l = 0; l < count; ++l) lights.push_back(l);
+    std::vector<int> lights;
+    for (int l = 0; l < all; ++l)
+        if (!left_out(l)) lights.push_back(l);
     return lights;
+}
+
+frame::OverlayKind overlay_kind(const scene::Scene& scene, const RenderOptions& options, const std::vector<int>& lights)
+{
+    const auto sized = [&](int l) { return static_cast<std::size_t>(l) >= scene.lights.size(); };
+    return {options.shadow_culling == ShadowCulling::paper, std::any_of(lights.begin(), lights.end(), sized)};
 }
 
 std::vector<std::string> overlay_titles(const scene::Scene& scene, const std::vector<int>& lights, int frame)
 {
     std::vector<std::string> titles;
+    const frame::SizedPanels sized = frame::sized_panels(scene);
+    const std::string when = frame > 0 ? fmt::format("frame {}  ", frame) : "";
     for (const int l : lights) {
+        if (static_cast<std::size_t>(l) >= scene.lights.size()) {
+            titles.push_back(when + sized.titles[static_cast<std::size_t>(l) - scene.lights.size()]);
+            continue;
+        }
         const std::string& name = scene.lights[static_cast<std::size_t>(l)].name;
         const std::string number = fmt::format("light {}", l);
-        titles.push_back(fmt::format("{}{}{}{}", frame > 0 ? fmt::format("frame {}  ", frame) : "", number,
-                                     name.empty() || name == number ? "" : ": ", name == number ? "" : name));
+        titles.push_back(fmt::format("{}{}{}{}", when, number, name.empty() || name == number ? "" : ": ",
+                                     name == number ? "" : name));
     }
     return titles;
 }
@@ -156,8 +177,8 @@ Size image_size(const Scene& scene, const RenderOptions& options)
     const Size size = options.size.width > 0 ? options.size : default_size(scene, options.camera);
     api::check_overlay(inside, options, size);
     if (options.overlay != Overlay::shadow_states) return size;
-    const std::size_t panels = api::overlay_lights(inside, options).size();
-    return frame::overlay_size(size, panels, options.shadow_culling == ShadowCulling::paper);
+    const std::vector<int> lights = api::overlay_lights(inside, options);
+    return frame::overlay_size(size, lights.size(), api::overlay_kind(inside, options, lights));
 }
 
 }   // namespace gnomon

@@ -7,6 +7,7 @@
 
 #include "base/image.h"
 #include "frame/frame_engine.h"
+#include "frame/state_overlay.h"
 #include "gnomon/frame.h"
 #include "gnomon/renderer.h"
 
@@ -18,12 +19,19 @@ void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const Ren
 /// Makes an overlay, which is in screen colours, the only layer.
 void set_overlay(const Image8& image, Frame& result);
 
-/// The lights that an overlay of shadow states shows.
+/// The panels of an overlay of shadow states: lights, and from the scene's number of lights on those of lights with
+/// size (frame/state_overlay.h). Traced frames light with emissive surfaces, not with the lights that approximate them;
+/// the published method knows lights alone.
 /// @throws UsageError  there are none; no such light
 std::vector<int> overlay_lights(const scene::Scene& scene, const RenderOptions& options);
 
 /// @param frame  0: none
 std::vector<std::string> overlay_titles(const scene::Scene& scene, const std::vector<int>& lights, int frame);
+
+/// What an overlay of shadow states shows and explains.
+/// @param lights  of overlay_lights()
+frame::OverlayKind overlay_kind(const scene::Scene& scene, const RenderOptions& options,
+                                const std::vector<int>& lights);
 
 /// @throws UsageError  the overlay cannot be shown
 void check_overlay(const scene::Scene& scene, const RenderOptions& options, Size size);

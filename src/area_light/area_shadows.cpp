@@ -74,6 +74,13 @@ struct AreaShadows::Shard {
     std::mutex mutex;
     std::deque<std::array<Node, 4>> nodes;
     AreaCounters counters;
+    std::size_t list_bytes = 0;
+
+    void keep(Node& node, std::vector<TriangleId>&& list)
+    {
+        list_bytes += sizeof list + list.capacity() * sizeof(TriangleId);
+        node.list = std::make_unique<std::vector<TriangleId>>(std::move(list));
+    }
 };
 
 AreaShadows::AreaShadows(const StaticTriangles& triangles, const FlatLight& light, const AreaOptions& options)
@@ -233,8 +240,7 @@ AreaShadows::Node* AreaShadows::judge_node(std::size_t record, Node* node, Trian
     ++shard.counters.parts;
     if (verdict.divides) {
         node->quarters = shard.nodes.emplace_back().data();
-        if (verdict.list.size() <= k_handed_down)
-            node->list = std::make_unique<std::vector<TriangleId>>(std::move(verdict.list));
+        if (verdict.list.size() <= k_handed_down) shard.keep(*node, std::move(verdict.list));
         node->kind.store(Node::Kind::divided, std::memory_order_release);
         return node;
     }
@@ -242,7 +248,7 @@ AreaShadows::Node* AreaShadows::judge_node(std::size_t record, Node* node, Trian
     ++shard.counters.states[static_cast<std::size_t>(verdict.state)];
     if (verdict.state == PartState::listed) {
         shard.counters.listed_triangles += verdict.list.size();
-        node->list = std::make_unique<std::vector<TriangleId>>(std::move(verdict.list));
+        shard.keep(*node, std::move(verdict.list));
     }
     node->kind.store(Node::Kind::decided, std::memory_order_release);
     return node;
@@ -284,11 +290,7 @@ std::size_t AreaShadows::bytes() const
     std::size_t bytes = 2 * triangles_.size() * sizeof(roots_[0]);
     for (std::size_t s = 0; s < k_shards; ++s) {
         const std::lock_guard lock(shards_[s].mutex);
-        const Shard& shard = shards_[s];
-        bytes += shard.nodes.size() * sizeof(std::array<Node, 4>);
-        for (const std::array<Node, 4>& four : shard.nodes)
-            for (const Node& node : four)
-                if (node.list) bytes += sizeof(*node.list) + node.list->capacity() * sizeof(TriangleId);
+        bytes += shards_[s].nodes.size() * sizeof(std::array<Node, 4>) + shards_[s].list_bytes;
     }
     return bytes;
 }

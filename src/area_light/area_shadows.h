@@ -42,6 +42,7 @@ struct AreaOptions {
     std::size_t hopeless = 96;         // with more, a part that can be divided is divided at once
     std::size_t longest_list = 2048;   // of a listed part
     int most_levels = 9;
+    std::size_t most_bytes = 256u << 20;   // of all lights' parts; with more, everything is forgotten (AreaVisibility)
 };
 
 struct AreaCounters {

@@ -2,9 +2,11 @@
 #include "area_light/area_visibility.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 #include "ray/origin.h"
+#include "scene/alpha_mask.h"
 
 namespace gnomon::area_light {
 
@@ -90,7 +92,7 @@ AreaVisibility::~AreaVisibility() = default;
 void AreaVisibility::follow(const scene::SceneState& state, const ray::RayScene& rays,
                             std::span<const AreaLight> lights)
 {
-    rays_ = &rays;
+    rays_ = &rays, state_ = &state;
     const scene::FrameChanges& changes = state.changes();
     if (!changes.promoted.empty()) {
         lights_.clear();
@@ -102,7 +104,15 @@ void AreaVisibility::follow(const scene::SceneState& state, const ray::RayScene&
         dynamic_->update(state, rays);
     }
     dynamic_triangles_.follow(state, rays, *dynamic_);
-    // Keep what is known of lights that are the same.
+    if (first_of_object_.empty() || !changes.promoted.empty()) {
+        first_of_object_.clear();
+        for (scene::ObjectId o = 0; o < state.scene().objects.size(); ++o)
+            if (const TriangleId first = triangles_->first_of(o); first != visibility::no_triangle)
+                first_of_object_.emplace_back(first, o);
+        std::sort(first_of_object_.begin(), first_of_object_.end());
+    }
+    // Keep what is known of lights that are the same, unless it has become too much.
+    if (bytes_of_parts() > options_.most_bytes) lights_.clear();
     std::vector<std::unique_ptr<Light>> before = std::exchange(lights_, {});
     std::size_t next = 0;
     for (const AreaLight& light : lights) {
@@ -207,9 +217,7 @@ class AreaVisibility::Query {
             constexpr std::size_t k_group = 64;   // points, beyond which fewer dynamic triangles are near all of them
             while (last < listed.size() && last < first + k_group && listed[last].list == listed[first].list) ++last;
             look_through({listed.data() + first, last - first});
-            if (scratch_.queue.size() >= k_rays_at_once) flush(ray::Against::static_only, scratch_.counters.rays);
         }
-        flush(ray::Against::static_only, scratch_.counters.rays);
     }
 
     // Traces rays from points to the cells that are visible so far, and clears those that are hidden.
@@ -223,7 +231,8 @@ class AreaVisibility::Query {
                 if (visible[static_cast<std::size_t>(c)] == 0) continue;
                 const glm::vec3 way = side.cells.position(c) - p.origin;
                 if (!(glm::dot(way, p.normal) > 0)) continue;   // it brings nothing
-                push_ray(p, way, k, c, visible[static_cast<std::size_t>(c)]);
+                scratch_.queue.push(p.origin, 0, way, ray::k_shadow_ray_end);
+                scratch_.targets.push_back({answers_.at[k], static_cast<std::uint16_t>(c)});
             }
             if (scratch_.queue.size() >= k_rays_at_once) flush(against, count);
         }
@@ -245,40 +254,104 @@ class AreaVisibility::Query {
     }
     void gather(const std::vector<TriangleId>& list)
     {
-        scratch_.opaque_ids.clear();
+        scratch_.opaque_ids.clear(), scratch_.holed_at.clear();
         for (const TriangleId id : list)
             if (owner_.triangles_->role(id) == visibility::StaticTriangles::Role::opaque)
                 scratch_.opaque_ids.push_back(id);
             else
-                scratch_.holed.push((*owner_.triangles_)[id].p);
+                push_holed(id);
         owner_.pairs_->gather(*owner_.triangles_, scratch_.opaque_ids, scratch_.list);
         scratch_.holed.pad();
     }
-    // Notes rays to the cells with visible places behind triangles with holes, for a point.
-    // @return  whether there are any
-    bool ask_rays(std::uint32_t k, const Side& side, const PlaceMask& blocked, const PlaceMask& behind_holed,
-                  const VisibleCells& cells)
+    void push_holed(TriangleId id)
     {
-        const LightPlaces& places = side.shadows.places();
-        PlaceMask others;   // all but the visible places behind triangles with holes
-        for (std::size_t r = 0; r < others.size(); ++r) others[r] = blocked[r] | ~behind_holed[r];
-        VisibleCells doubtful;
-        if (count_visible(places, others, doubtful) == 0) return false;
-        make_partial(k) = cells;
-        const ShadowPoint& p = points_[asked_[k]];
-        for (int c = 0; c < k_cells; ++c) {
-            const std::uint8_t count = doubtful[static_cast<std::size_t>(c)];
-            const glm::vec3 way = side.cells.position(c) - p.origin;
-            if (count > 0 && glm::dot(way, p.normal) > 0) push_ray(p, way, k, c, count);
+        const auto& first = owner_.first_of_object_;
+        const auto object = std::upper_bound(first.begin(), first.end(), std::pair(id, scene::none)) - 1;
+        scratch_.holed.push((*owner_.triangles_)[id].p);
+        scratch_.holed_at.push_back({object->second, id - object->first});
+    }
+    // Adds what triangles with holes hide, from the alpha where lines to the middles of the places in each cell meet
+    // them.
+    // @return  whether they hide any
+    bool add_holed(const ShadowPoint& p, const LightPlaces& places, PlaceMask& blocked)
+    {
+        const scene::Scene& scene = owner_.state_->scene();
+        bool any = false;
+        for_each_blocker(p.origin, scratch_.holed, places, [&](std::size_t entry, const PlaceMask& mask) {
+            const Scratch::Holed& at = scratch_.holed_at[entry];
+            const scene::Mesh& mesh = *owner_.rays_->geometry(at.object).mesh;
+            const scene::Material& material = scene.materials[mesh.part_of(at.triangle).material];
+            glm::dvec3 r[3];
+            for (std::size_t c = 0; c < 3; ++c)
+                for (int axis = 0; axis < 3; ++axis)
+                    r[c][axis] = static_cast<double>(scratch_.holed.at(c, static_cast<std::size_t>(axis))[entry]) -
+                                 static_cast<double>(p.origin[axis]);
+            // Weights of the corners, as linear functions over the light's parallelogram.
+            const glm::dvec3 side[3] = {glm::cross(r[1], r[2]), glm::cross(r[2], r[0]), glm::cross(r[0], r[1])};
+            const glm::dvec3 to(places.origin() - p.origin), by_s(places.side_s()), by_t(places.side_t());
+            glm::dvec3 weight_at, weight_by_s, weight_by_t;
+            for (int c = 0; c < 3; ++c)
+                weight_at[c] = glm::dot(side[c], to), weight_by_s[c] = glm::dot(side[c], by_s),
+                weight_by_t[c] = glm::dot(side[c], by_t);
+            for_each_cell(mask, places, blocked, [&](const glm::dvec2& middle, const CellPlaces& cell) {
+                const glm::dvec3 weights = weight_at + middle.x * weight_by_s + middle.y * weight_by_t;
+                const double w = weights.x, u = weights.y, v = weights.z;
+                const double sum = u + v + w;
+                if (sum != 0 && scene::cut_away(scene, mesh, material, at.triangle, static_cast<float>(u / sum),
+                                                static_cast<float>(v / sum)))
+                    return;
+                for (std::size_t row = 0; row < 4; ++row)
+                    blocked[cell.row + row] |= mask[cell.row + row] & (std::uint64_t{15} << cell.first);
+                any = true;
+            });
+        });
+        return any;
+    }
+    struct CellPlaces {
+        std::size_t row;
+        int first;
+    };
+    // Calls use(middle, cell) for each cell with places of a mask that are inside the light and not blocked; `middle`
+    // is the mean of their coordinates s and t.
+    template <class Use>
+    static void for_each_cell(const PlaceMask& mask, const LightPlaces& places, const PlaceMask& blocked,
+                              const Use& use)
+    {
+        static const RowPlaces rows;
+        for (std::size_t row = 0; row < mask.size(); row += 4) {
+            std::uint64_t bits[4], all = 0;
+            for (std::size_t k = 0; k < 4; ++k)
+                all |= bits[k] = mask[row + k] & places.inside()[row + k] & ~blocked[row + k];
+            while (all != 0) {
+                const int first = std::countr_zero(all) / 4 * 4;
+                double s = 0, t = 0, count = 0;
+                for (std::size_t k = 0; k < 4; ++k) {
+                    const auto four = static_cast<std::size_t>(bits[k] >> first & 15);
+                    const double here = rows.count[four];
+                    const double along = (here * (rows.shift[row + k] + first) + rows.sum[four]) / k_row_places;
+                    t += along, s += here * rows.start[row + k] + static_cast<double>(LightPlaces::slant) * along;
+                    count += here;
+                }
+                use(glm::dvec2(s / count, t / count), CellPlaces{row, first});
+                all &= ~(std::uint64_t{15} << first);
+            }
         }
-        if (meets_unlisted(p)) scratch_.dynamic_rays.push_back(k);
-        return true;
     }
-    void push_ray(const ShadowPoint& p, const glm::vec3& way, std::uint32_t k, int cell, std::uint8_t count)
-    {
-        scratch_.queue.push(p.origin, 0, way, ray::k_shadow_ray_end);
-        scratch_.targets.push_back({answers_.at[k], static_cast<std::uint16_t>(cell), count});
-    }
+    struct RowPlaces {
+        std::array<double, k_rows> start, shift;
+        std::array<double, 16> count, sum;   // of the bits of a number, and of their places
+        RowPlaces()
+        {
+            for (int r = 0; r < k_rows; ++r) {
+                start[static_cast<std::size_t>(r)] = static_cast<double>(LightPlaces::row_start(r));
+                shift[static_cast<std::size_t>(r)] = static_cast<double>(LightPlaces::row_shift(r));
+            }
+            for (std::size_t four = 0; four < 16; ++four) {
+                count[four] = std::popcount(four), sum[four] = 0;
+                for (int k = 0; k < 4; ++k) sum[four] += (four >> k & 1) * k;
+            }
+        }
+    };
     // Finds what a group of points sees past the triangles of one list and those of dynamic objects.
     void look_through(std::span<const Scratch::Listed> group)
     {
@@ -301,15 +374,13 @@ class AreaVisibility::Query {
             const bool moving_hides = add_blocked(p.origin, dynamic, places, blocked);
             scratch_.counters.triangles += still.size() + scratch_.holed.size();
             scratch_.counters.dynamic_triangles += dynamic.size();
-            PlaceMask behind_holed{};
-            const bool maybe = add_blocked(p.origin, scratch_.holed, places, behind_holed);
-            if (!hides && !moving_hides && !maybe && !meets_unlisted(p)) {
+            const bool holed_hides = scratch_.holed.size() > 0 && add_holed(p, places, blocked);
+            if (!hides && !moving_hides && !holed_hides && !meets_unlisted(p)) {
                 answers_.answer[k] = Answer::lit;
                 continue;
             }
             VisibleCells cells;
             const int visible = count_visible(places, blocked, cells);
-            if (maybe && visible > 0 && ask_rays(k, side, blocked, behind_holed, cells)) continue;
             const bool by_rays = visible > 0 && meets_unlisted(p);
             answers_.answer[k] = visible == 0 ? Answer::dark : Answer::lit;
             if (visible > 0 && (by_rays || visible < places.count())) make_partial(k) = cells;
@@ -339,8 +410,7 @@ class AreaVisibility::Query {
         scratch_.occluded.resize(rays + ray::k_packet_pad);
         owner_.rays_->occluded(scratch_.queue, 0, rays, scratch_.occluded.data(), against);
         for (std::size_t r = 0; r < rays; ++r)
-            if (const Scratch::Target& target = scratch_.targets[r]; scratch_.occluded[r])
-                answers_.cells[target.cells][target.cell] -= target.places;
+            if (scratch_.occluded[r]) answers_.cells[scratch_.targets[r].cells][scratch_.targets[r].cell] = 0;
         scratch_.queue.clear(), scratch_.targets.clear();
     }
 
@@ -376,13 +446,18 @@ AreaCounters AreaVisibility::parts() const
     return sum;
 }
 
-std::size_t AreaVisibility::bytes() const
+std::size_t AreaVisibility::bytes_of_parts() const
 {
-    std::size_t bytes = triangles_->bytes() + pairs_->bytes() + dynamic_triangles_.bytes();
+    std::size_t bytes = 0;
     for (const auto& light : lights_)
         for (const Side* side : {light->front.get(), light->back.get()})
             if (side) bytes += side->shadows.bytes() + sizeof *side;
     return bytes;
+}
+
+std::size_t AreaVisibility::bytes() const
+{
+    return triangles_->bytes() + pairs_->bytes() + dynamic_triangles_.bytes() + bytes_of_parts();
 }
 
 }   // namespace gnomon::area_light

@@ -9,7 +9,8 @@
 // everything, and so do all points for a light that may move. Rays go to the middle of each cell of places
 // (visible_cells.h).
 //
-// The answer to a point does not depend on what was remembered, nor on the order of questions.
+// The answer to a point does not depend on what was remembered, nor on the order of questions. If what is remembered
+// grows beyond AreaOptions::most_bytes, all of it is forgotten.
 
 #include <memory>
 #include <span>
@@ -63,10 +64,13 @@ class AreaVisibility {
 
      private:
         friend class AreaVisibility;
+        struct Holed {
+            scene::ObjectId object;
+            std::uint32_t triangle;
+        };
         struct Target {
             std::uint32_t cells;
             std::uint16_t cell;
-            std::uint8_t places;   // of the cell, that the ray decides about
         };
         struct Listed {
             const std::vector<visibility::TriangleId>* list;   // of the part; null: it is lit
@@ -80,9 +84,10 @@ class AreaVisibility {
             Box3 box;
             const visibility::StaticTriangle* triangle;
         };
-        std::vector<Listed> listed;   // asked points of listed parts, and of lit ones that a dynamic object is near
-        TriangleList list;            // the one that is looked through
-        TriangleList holed;           // of it, those with holes
+        std::vector<Listed> listed;    // asked points of listed parts, and of lit ones that a dynamic object is near
+        TriangleList list;             // the one that is looked through
+        TriangleList holed;            // of it, those with holes
+        std::vector<Holed> holed_at;   // by entry of `holed`
         std::vector<visibility::TriangleId> opaque_ids;
         std::vector<Boxed> dynamic;   // triangles near any point of the call
         TriangleList dynamic_list;    // and those near any point of a group
@@ -110,12 +115,16 @@ class AreaVisibility {
     struct Light;
     class Query;
 
+    std::size_t bytes_of_parts() const;
+
     AreaOptions options_;
     const ray::RayScene* rays_;
     std::unique_ptr<visibility::StaticTriangles> triangles_;
     std::unique_ptr<PlanarPairs> pairs_;
     std::unique_ptr<visibility::DynamicBounds> dynamic_;
     visibility::DynamicTriangles dynamic_triangles_;
+    const scene::SceneState* state_ = nullptr;
+    std::vector<std::pair<visibility::TriangleId, scene::ObjectId>> first_of_object_;   // ascending; of static objects
     std::vector<std::unique_ptr<Light>> lights_;
 };
 

@@ -26,6 +26,7 @@ struct Functions {
     alignas(64) float at[k_count][k_lanes];
     alignas(64) float by_start[k_count][k_lanes];
     alignas(64) float constant[k_lanes];                       // 1: there is one that is negative in some row, else 0
+    alignas(64) float splits[k_lanes];                         // 1: seen edge-on, a quadrilateral is not convex; else 0
     alignas(64) float meets[k_lanes];                          // 1: some place may be hidden, else 0
     alignas(64) float first_row[k_lanes], last_row[k_lanes];   // outside of them, nothing is hidden
 };
@@ -126,6 +127,13 @@ void find_functions(const glm::vec3& point, const TriangleList& triangles, std::
         hn::Store(hn::Min(hn::Max(first_row, zero), all_rows), d, out.first_row + lane);
         hn::Store(hn::Min(hn::Max(last_row, hn::Set(d, -1.0f)), all_rows), d, out.last_row + lane);
         const auto back = hn::Lt(volume, zero);
+        // Rounding may put the point before one half of a quadrilateral and behind the other. (A triangle's last two
+        // volumes are 0.)
+        const V volumes[3] = {dot(side[1], r[3]), dot(side[2], r[1]), dot(side[3], r[0])};
+        auto splits = hn::Eq(volume, zero);
+        for (const V& other : volumes)
+            splits = hn::Or(splits, hn::Or(hn::And(back, hn::Gt(other, zero)), hn::AndNot(back, hn::Lt(other, zero))));
+        hn::Store(hn::IfThenElseZero(splits, hn::Set(d, 1.0f)), d, out.splits + lane);
         auto meets = hn::Ne(volume, zero);
         auto constant = hn::FirstN(d, 0);
         const auto slant = hn::Set(d, LightPlaces::slant), places_in_row = hn::Set(d, static_cast<float>(k_row_places)),
@@ -218,18 +226,42 @@ bool add_blocked_of(const glm::vec3& point, const TriangleList& triangles, const
 {
     Functions f;
     bool any = false;
+    TriangleList halves;
     for (std::size_t first = 0; first < triangles.size(); first += Functions::k_lanes) {
         find_functions(point, triangles, first, places, f);
         const std::size_t count = std::min(Functions::k_lanes, triangles.size() - first);
-        for (std::size_t lane = 0; lane < count; ++lane)
-            if (f.meets[lane] != 0 && f.first_row[lane] <= f.last_row[lane]) {
-                add_runs(f, lane, static_cast<std::size_t>(triangles.corners(first + lane)), blocked);
+        for (std::size_t lane = 0; lane < count; ++lane) {
+            const auto corners = static_cast<std::size_t>(triangles.corners(first + lane));
+            if (corners == 4 && f.splits[lane] != 0) {
+                triangles.push_halves(first + lane, halves);
+            } else if (f.meets[lane] != 0 && f.first_row[lane] <= f.last_row[lane]) {
+                add_runs(f, lane, corners, blocked);
                 any = true;
             }
+        }
         // Leave the rest out if nothing is left to hide.
-        if (any && first + Functions::k_lanes < triangles.size() && all_hidden(places, blocked)) break;
+        if (any && first + Functions::k_lanes < triangles.size() && all_hidden(places, blocked)) return true;
     }
-    return any;
+    if (halves.size() == 0) return any;
+    halves.pad();
+    const bool by_halves = add_blocked_of(point, halves, places, blocked);
+    return any || by_halves;
+}
+
+void for_each_blocker_of(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places,
+                         const std::function<void(std::size_t, const PlaceMask&)>& hides)
+{
+    Functions f;
+    for (std::size_t first = 0; first < triangles.size(); first += Functions::k_lanes) {
+        find_functions(point, triangles, first, places, f);
+        const std::size_t count = std::min(Functions::k_lanes, triangles.size() - first);
+        for (std::size_t lane = 0; lane < count; ++lane) {
+            if (f.meets[lane] == 0 || !(f.first_row[lane] <= f.last_row[lane])) continue;
+            PlaceMask mask{};
+            add_runs(f, lane, static_cast<std::size_t>(triangles.corners(first + lane)), mask);
+            hides(first + lane, mask);
+        }
+    }
 }
 
 }   // namespace gnomon::area_light::HWY_NAMESPACE
@@ -241,10 +273,17 @@ HWY_AFTER_NAMESPACE();
 namespace gnomon::area_light {
 
 HWY_EXPORT(add_blocked_of);
+HWY_EXPORT(for_each_blocker_of);
 
 bool add_blocked(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places, PlaceMask& blocked)
 {
     return HWY_DYNAMIC_DISPATCH(add_blocked_of)(point, triangles, places, blocked);
+}
+
+void for_each_blocker(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places,
+                      const std::function<void(std::size_t, const PlaceMask&)>& hides)
+{
+    HWY_DYNAMIC_DISPATCH(for_each_blocker_of)(point, triangles, places, hides);
 }
 
 void TriangleList::grow()
@@ -253,6 +292,15 @@ void TriangleList::grow()
     for (auto& corner : at_)
         for (auto& axis : corner) axis.resize(size);
     corners_.resize(size);
+}
+
+void TriangleList::push_halves(std::size_t entry, TriangleList& halves) const
+{
+    glm::vec3 p[4];
+    for (std::size_t c = 0; c < 4; ++c)
+        for (int axis = 0; axis < 3; ++axis) p[c][axis] = at_[c][static_cast<std::size_t>(axis)][entry];
+    halves.push({p[0], p[1], p[3]});
+    halves.push({p[1], p[2], p[3]});
 }
 
 void TriangleList::pad()

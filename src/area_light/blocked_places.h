@@ -13,6 +13,7 @@
 // Results are the same for any instruction set, and do not depend on triangles that hide nothing.
 // Cost: some 20 ns for a triangle that the point's cone to the light misses, and 100 for one that it meets (AVX-512).
 
+#include <functional>
 #include <span>
 
 #include "area_light/light_places.h"
@@ -29,6 +30,8 @@ class TriangleList {
     void clear() { count_ = 0; }
     void push(const glm::vec3 (&corner)[3]) { push_corners({corner[0], corner[1], corner[2], corner[2]}, 3); }
     void push(const glm::vec3 (&corner)[4]) { push_corners({corner[0], corner[1], corner[2], corner[3]}, 4); }
+    /// Adds the two triangles of a quadrilateral to another list.
+    void push_halves(std::size_t entry, TriangleList& halves) const;
     /// Repeats the last entry to the end of its vector. Call after the last push().
     void pad();
     std::size_t size() const { return count_; }
@@ -54,6 +57,10 @@ class TriangleList {
 /// Adds to `blocked` the places that triangles hide from a point, of those inside the light.
 /// @return  whether any of them may hide one
 bool add_blocked(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places, PlaceMask& blocked);
+
+/// Calls hides(entry, mask) for each triangle of a list that may hide places, with what it alone hides.
+void for_each_blocker(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places,
+                      const std::function<void(std::size_t, const PlaceMask&)>& hides);
 
 /// The same for one place and one triangle, in the same arithmetic: the reference.
 bool blocks_place(const glm::vec3& point, const glm::vec3 (&corner)[3], const LightPlaces& places, int row, int place);

@@ -12,7 +12,7 @@ using visibility::StaticTriangle;
 using visibility::StaticTriangles;
 using visibility::TriangleId;
 
-constexpr double k_flat = 1e-6;         // largest distance from the plane, per largest coordinate or diameter
+constexpr double k_flat = 2.5e-7;       // largest distance from the plane, per largest coordinate: rounding alone
 constexpr double k_least_turn = 1e-3;   // least sine at a corner
 
 // The corner of a triangle that is not on an edge of its neighbour; -1 if it is not one.

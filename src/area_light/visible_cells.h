@@ -36,6 +36,8 @@ class LightCells {
     }
     /// The number of its places inside the light.
     int count(int cell) const { return static_cast<int>(count_[static_cast<std::size_t>(cell)]); }
+    /// The light's, unit.
+    const glm::vec3& normal() const { return light_normal_; }
     /// The area that one place stands for.
     float area_of_place() const { return area_; }
 

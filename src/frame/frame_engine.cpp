@@ -17,6 +17,7 @@
 #include "shading/surface.h"
 #include "trace/centre_layers.h"
 #include "trace/checked_shadows.h"
+#include "trace/checked_sized.h"
 #include "trace/indirect_lights.h"
 #include "trace/shadow_testers.h"
 #include "trace/traced_frame.h"
@@ -89,17 +90,6 @@ auto raster_key(const RenderOptions& o)
                       cache_key(o), map_key(o));
 }
 
-std::size_t bytes_of(const shading::FrameBuffers& buffers)
-{
-    std::size_t bytes = 0;
-    for (const ImageF* image :
-         {&buffers.color, &buffers.depth, &buffers.normal, &buffers.albedo, &buffers.direct, &buffers.indirect,
-          &buffers.shadow, &buffers.variance, &buffers.irradiance, &buffers.irradiance_variance})
-        bytes += image->data.size() * sizeof(float);
-    bytes += buffers.motion.data.size() * sizeof(float) + buffers.ids.data.size() * sizeof(std::uint32_t);
-    return bytes;
-}
-
 // Bytes of the buffers of a frame.
 std::size_t buffer_bytes(Size size, const RenderOptions& options, bool estimate, std::size_t lights)
 {
@@ -161,7 +151,8 @@ FrameEngine::Plan FrameEngine::plan_for(const RenderOptions& o) const
             plan.shown = Shown::redrawn;
         return plan;
     }
-    if (o.overlay == Overlay::shadow_states && o.shadow_culling != ShadowCulling::off && has_lights)
+    if (o.overlay == Overlay::shadow_states && o.shadow_culling != ShadowCulling::off &&
+        (has_lights || !sized_panels(*scene_).titles.empty()))
         plan.shown = Shown::shadow_states;
     if (o.overlay == Overlay::clusters && o.indirect == Indirect::quadtree && !o.reference)
         plan.shown = Shown::clusters;
@@ -188,7 +179,8 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
 
     // Move the scene.
     const bool needs_rays = options.renderer == RenderMethod::trace || options.indirect == Indirect::visible ||
-                            options.ids || options.motion || settings_.always_has_rays;
+                            options.ids || options.motion || settings_.always_has_rays ||
+                            raster_needs_rays(*scene, options.shadow_textures);
     const bool rays_are_traced = options.renderer == RenderMethod::trace || settings_.always_has_rays;
     const Accelerator accelerator = rays_are_traced ? options.accelerator : Accelerator::embree;
     const bool continues = host && state_ && scene != scene_ && accelerator == accelerator_ && continue_with(scene);
@@ -321,7 +313,7 @@ void FrameEngine::fit_caches(const RenderOptions& options)
 
 void FrameEngine::fit_rasterizer(const RenderOptions& options)
 {
-    if (raster_ && raster_key(options) == raster_key(raster_options_)) {
+    if (raster_ && raster_key(options) == raster_key(raster_options_) && raster_rays_ == rays_.get()) {
         raster_->update(*state_);
         return;
     }
@@ -340,6 +332,7 @@ void FrameEngine::fit_rasterizer(const RenderOptions& options)
                                         .rays = rays_.get(),
                                         .tasks = &tasks_});
     raster_options_ = options;
+    raster_rays_ = rays_.get();
 }
 
 scene::View FrameEngine::make_view(scene::CameraId camera, Size size, std::optional<double> turn)
@@ -491,13 +484,18 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
             &reference.emplace(reference::ReferenceOptions{spp, bounces, seed, surroundings, true}, options_.samples);
     }
 
-    // The reference samples emissive surfaces by itself. The overlay of shadow states shows the lights of the scene.
-    if (plan_.shown == Shown::light && !plan_.reference && !sized_.empty()) {
+    // The reference samples emissive surfaces by itself.
+    std::optional<trace::CheckedSized> checked_sized;
+    const bool states = plan_.shown == Shown::shadow_states && options_.shadow_culling == ShadowCulling::certified;
+    if ((plan_.shown == Shown::light || states) && !plan_.reference && !sized_.empty()) {
         // Without culling, nothing is remembered from frame to frame; the answers are the same.
         if (!proven_ || options_.shadow_culling != ShadowCulling::certified)
             proven_ = std::make_unique<trace::ProvenVisibility>();
         techniques.sized = &sized_;
         techniques.sized_visibility = proven_.get();
+        if (states)
+            techniques.sized_visibility =
+                &checked_sized.emplace(*proven_, states_, panels_of(states_, sized_, *scene_));
     } else {
         proven_.reset();
     }
@@ -532,7 +530,9 @@ Image8 FrameEngine::paint_overlay(const std::vector<std::string>& titles)
 {
     if (plan_.shown == Shown::clusters) return paint_clusters(state_->scene(), *rays_, view_, *map_, tasks_);
     GNOMON_CHECK(plan_.shown == Shown::shadow_states);
-    return paint_states(states_, titles, options_.shadow_culling == ShadowCulling::paper);
+    const bool sized = std::any_of(states_.lights.begin(), states_.lights.end(),
+                                   [&](int l) { return static_cast<std::size_t>(l) >= scene_->lights.size(); });
+    return paint_states(states_, titles, {options_.shadow_culling == ShadowCulling::paper, sized});
 }
 
 void FrameEngine::paint_redrawn(double exposure)

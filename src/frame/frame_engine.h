@@ -211,7 +211,7 @@ class FrameEngine {
     Plan plan_;                 // likewise
     std::optional<glm::vec3> turn_centre_;
 
-    scene::SizedLights sized_;   // of traced frames; follows every advance()
+    scene::SizedLights sized_;                          // of traced frames; follows every advance()
     std::unique_ptr<trace::ProvenVisibility> proven_;   // of the lights with size; saw the last advance()
     std::unique_ptr<shadow_culling::CertifiedCulling> certified_;
     std::unique_ptr<shadow_culling::PaperCulling> nah_;
@@ -219,6 +219,7 @@ class FrameEngine {
     std::unique_ptr<light_quadtree::MapLight> map_;
     std::unique_ptr<Rasterizer> raster_;
     RenderOptions cache_options_, map_options_, raster_options_;   // that these were made with
+    const ray::RayScene* raster_rays_ = nullptr;                   // that the rasterizer was made with
 
     FrameMemory memory_;
     std::shared_ptr<shading::FrameBuffers> buffers_ = memory_.take();

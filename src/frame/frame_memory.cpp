@@ -5,6 +5,17 @@
 
 namespace gnomon::frame {
 
+std::size_t bytes_of(const shading::FrameBuffers& buffers)
+{
+    std::size_t bytes = 0;
+    for (const ImageF* image :
+         {&buffers.color, &buffers.depth, &buffers.normal, &buffers.albedo, &buffers.direct, &buffers.indirect,
+          &buffers.shadow, &buffers.variance, &buffers.irradiance, &buffers.irradiance_variance})
+        bytes += image->data.size() * sizeof(float);
+    bytes += buffers.motion.data.size() * sizeof(float) + buffers.ids.data.size() * sizeof(std::uint32_t);
+    return bytes;
+}
+
 // The memory that came back last. A host that keeps many frames and drops them all leaves no more than this.
 struct FrameMemory::Returned {
     std::mutex mutex;

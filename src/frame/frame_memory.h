@@ -11,6 +11,9 @@
 
 namespace gnomon::frame {
 
+/// Bytes of the values of a frame's buffers.
+std::size_t bytes_of(const shading::FrameBuffers& buffers);
+
 class FrameMemory {
  public:
     FrameMemory();

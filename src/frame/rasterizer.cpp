@@ -5,6 +5,7 @@
 
 #include "base/check.h"
 #include "gnomon/error.h"
+#include "scene/emission.h"
 #ifdef GNOMON_VULKAN
 #include "raster/map_bounce.h"
 #include "raster/raster_frame.h"
@@ -14,6 +15,11 @@
 #endif
 
 namespace gnomon::frame {
+
+bool raster_needs_rays(const scene::Scene& scene, ShadowTextures shadows)
+{
+    return shadows != ShadowTextures::off && std::ranges::any_of(scene.materials, scene::may_emit);
+}
 
 #ifdef GNOMON_VULKAN
 
@@ -42,6 +48,13 @@ class VulkanRasterizer final : public Rasterizer {
             map.as_printed = settings.as_printed;
             frame_.set_bounced(std::make_unique<raster::MapBounce>(device_, state, map));
         }
+        raster::SizedDirectOptions sized;
+        if (settings.shadows == ShadowTextures::off) sized.method = raster::SizedDirectOptions::Method::unshadowed;
+        auto direct = std::make_unique<raster::SizedDirect>(device_, state, sized);
+        if (settings.rays && settings.tasks && settings.shadows != ShadowTextures::off)
+            direct->prove(*settings.rays, *settings.tasks);
+        sized_ = direct.get();
+        frame_.set_sized(std::move(direct));
         if (settings.shadows == ShadowTextures::off || state.scene().lights.empty()) return;
         raster::ShadowOptions shadows;
         shadows.method = settings.shadows;
@@ -65,7 +78,7 @@ class VulkanRasterizer final : public Rasterizer {
         raster::paint_redrawn(ids_, redrawn_, exposure, color);
     }
     std::string device() const override { return device_->info().name; }
-    std::size_t remembered_bytes() const override { return visible_ ? visible_->bytes() : 0; }
+    std::size_t remembered_bytes() const override { return (visible_ ? visible_->bytes() : 0) + sized_->bytes(); }
 
  private:
     void note_redrawn(const scene::SceneState& state)
@@ -87,6 +100,7 @@ class VulkanRasterizer final : public Rasterizer {
     bool redrawn_stays_ = false;
     const irradiance_cache::IrradianceCache* visible_ = nullptr;   // owned by the frame's bounced light
     const light_views::LightViews* views_ = nullptr;               // owned by the frame's visibility
+    const raster::SizedDirect* sized_ = nullptr;                   // owned by the frame
 };
 
 }   // namespace

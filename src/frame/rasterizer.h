@@ -28,10 +28,14 @@ struct RasterSettings {
     light_quadtree::MapLightOptions map{};   // for Indirect::rsm and quadtree
     irradiance_cache::CacheOptions visible{};
     IndirectOn indirect_on = IndirectOn::automatic;
-    // For Indirect::visible. The ray scene must follow the state before every update(); both outlive the rasterizer.
+    // For Indirect::visible, and to prove what is visible of lights with size (else it is found from light views). The
+    // ray scene must follow the state before every update(); both outlive the rasterizer.
     const ray::RayScene* rays = nullptr;
     Tasks* tasks = nullptr;
 };
+
+/// Whether a rasterizer of a scene proves what is visible of lights with size, for which it needs a ray scene.
+bool raster_needs_rays(const scene::Scene& scene, ShadowTextures shadows);
 
 class Rasterizer {
  public:
@@ -47,7 +51,7 @@ class Rasterizer {
     /// Paints Overlay::redrawn over the last frame's colour, which becomes the shown image, within 0 to 1.
     virtual void paint_redrawn(double exposure, ImageF& color) const = 0;
     virtual std::string device() const = 0;
-    /// Bytes of host memory that the irradiance cache holds.
+    /// Bytes of host memory that the irradiance cache and proofs hold.
     virtual std::size_t remembered_bytes() const { return 0; }
 };
 

@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "image/bitmap_font.h"
+#include "scene/emission.h"
 
 namespace gnomon::frame {
 
@@ -25,6 +26,7 @@ constexpr Rgb8 k_colors[trace::k_state_marks] = {
     {240, 228, 66},    // none
     {0, 114, 178},     // full
     {213, 94, 0},      // partial
+    {86, 180, 233},    // penumbra
 };
 constexpr Rgb8 k_untrusted_grey{112, 112, 112};
 constexpr float k_untrusted_weight = 0.6f;   // weight of the grey that is mixed in
@@ -100,8 +102,9 @@ Sums sums_of(const trace::StateMap& map)
 }
 
 // Pads every number to the same width, so that the legend of a video does not move.
-std::vector<Entry> legend_of(const Sums& sums, bool paper)
+std::vector<Entry> legend_of(const Sums& sums, const OverlayKind& kind)
 {
+    const bool paper = kind.paper;
     const auto share = [&](std::size_t count) {
         return sums.asked == 0 ? 0.0 : 100.0 * static_cast<double>(count) / static_cast<double>(sums.asked);
     };
@@ -114,6 +117,7 @@ std::vector<Entry> legend_of(const Sums& sums, bool paper)
         paper ? "NON_SHADOW: only dynamic objects are asked" : "NONE: only dynamic objects are asked");
     add(trace::StateMark::full, paper ? "FULL_SHADOW: no ray" : "FULL: no ray");
     add(trace::StateMark::partial, paper ? "PARTIAL_SHADOW: traced" : "PARTIAL: traced");
+    if (kind.sized) add(trace::StateMark::penumbra, "PENUMBRA: remembered triangles are asked");
     add(trace::StateMark::unknown, paper ? "INIT: traced" : "UNKNOWN: traced");
     if (paper) {
         std::size_t all = 0;
@@ -174,10 +178,41 @@ Rgb8 cell_color(const trace::StateCell& cell, std::uint8_t shade)
     return mix({0, 0, 0}, color, k_grazing + (1 - k_grazing) * static_cast<float>(shade) / 255.0f);
 }
 
-Size overlay_size(Size panel, std::size_t panels, bool paper)
+SizedPanels sized_panels(const scene::Scene& scene)
+{
+    SizedPanels panels;
+    panels.of_object.assign(scene.objects.size(), -1);
+    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
+        const std::vector<scene::MeshPart>& parts = scene.meshes[scene.objects[o].mesh].parts;
+        const auto emits = [&](const scene::MeshPart& part) { return may_emit(scene.materials[part.material]); };
+        if (scene.objects[o].removed || std::none_of(parts.begin(), parts.end(), emits)) continue;
+        panels.of_object[o] = static_cast<int>(panels.titles.size());
+        const std::string& name = scene.nodes[scene.objects[o].node].name;
+        panels.titles.push_back(
+            fmt::format("light with size {}{}{}", panels.titles.size(), name.empty() ? "" : ": ", name));
+    }
+    if (panels.titles.size() <= SizedPanels::k_most_sized) return panels;
+    for (int& panel : panels.of_object) panel = std::min(panel, 0);
+    panels.titles = {fmt::format("all {} lights with size", panels.titles.size())};
+    return panels;
+}
+
+std::vector<int> panels_of(const trace::StateMap& map, const scene::SizedLights& lights, const scene::Scene& scene)
+{
+    const SizedPanels panels = sized_panels(scene);
+    std::vector<int> result;
+    for (const scene::SizedLight& light : lights.lights()) {
+        const int wanted = panels.of_object[light.faces.front().object];
+        const auto at = std::find(map.lights.begin(), map.lights.end(), static_cast<int>(scene.lights.size()) + wanted);
+        result.push_back(wanted < 0 || at == map.lights.end() ? -1 : static_cast<int>(at - map.lights.begin()));
+    }
+    return result;
+}
+
+Size overlay_size(Size panel, std::size_t panels, const OverlayKind& kind)
 {
     const int dot = dot_of(panel, panels);
-    const auto lines = lines_of(legend_of({}, paper), inner_width(panel, panels), dot);
+    const auto lines = lines_of(legend_of({}, kind), inner_width(panel, panels), dot);
     const int width = inner_width(panel, panels) + 2 * k_gap;
     const int height = k_gap + rows_of(panels) * cell_height(panel, panels) +
                        static_cast<int>(lines.size()) * line_height(dot) + k_gap;
@@ -191,12 +226,12 @@ PanelPlace panel_place(Size panel, std::size_t panels, std::size_t index)
             k_gap + i / columns * cell_height(panel, panels) + line_height(dot_of(panel, panels))};
 }
 
-Image8 paint_states(const trace::StateMap& map, const std::vector<std::string>& titles, bool paper)
+Image8 paint_states(const trace::StateMap& map, const std::vector<std::string>& titles, const OverlayKind& kind)
 {
     GNOMON_CHECK_EQ(titles.size(), map.lights.size());
     const std::size_t panels = map.lights.size();
     const int dot = dot_of(map.size, panels);
-    const Size size = overlay_size(map.size, panels, paper);
+    const Size size = overlay_size(map.size, panels, kind);
     Image8 image(size.width, size.height, 3);
     std::fill(image.data.begin(), image.data.end(), k_paper_tone);
 
@@ -214,7 +249,7 @@ Image8 paint_states(const trace::StateMap& map, const std::vector<std::string>& 
     }
 
     // Paint the legend, laid out as it was measured.
-    const std::vector<Entry> entries = legend_of(sums_of(map), paper), measured = legend_of({}, paper);
+    const std::vector<Entry> entries = legend_of(sums_of(map), kind), measured = legend_of({}, kind);
     const int width = inner_width(map.size, panels);
     int top = k_gap + rows_of(panels) * cell_height(map.size, panels);
     for (const Line& line : lines_of(measured, width, dot)) {

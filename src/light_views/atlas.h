@@ -32,7 +32,7 @@ struct Atlas {
     std::int64_t texels() const;
 };
 
-/// @param views  number of views of each light: 1, 2 or 6
+/// @param views  number of views of each light: 0, 1, 2, 5 or 6
 /// @throws MissingError  the budget is too small even for squares of the least size
 Atlas make_atlas(std::span<const int> views, const AtlasOptions& options);
 

@@ -7,7 +7,7 @@ namespace gnomon::light_views {
 
 namespace {
 
-bool holds(const std::vector<scene::LightId>& ascending, scene::LightId light)
+bool holds(std::span<const scene::LightId> ascending, scene::LightId light)
 {
     return std::binary_search(ascending.begin(), ascending.end(), light);
 }
@@ -15,21 +15,40 @@ bool holds(const std::vector<scene::LightId>& ascending, scene::LightId light)
 }   // namespace
 
 LightViews::LightViews(const scene::SceneState& state, const LightViewsOptions& options)
+    : LightViews(state, {state.scene().lights, {}, {}, {}}, options)
+{
+}
+
+LightViews::LightViews(const scene::SceneState& state, const ViewedLights& lights, const LightViewsOptions& options)
     : options_(options),
       casters_(state),
       bounds_(state.present_bounds()),
       mobility_(state.scene().objects.size(), options.quiet_frames),
       is_dynamic_(state.scene().objects.size(), 0)
 {
-    lay_out(state);
+    lay_out(lights);
+}
+
+ViewedLights LightViews::lights_of(const scene::SceneState& state)
+{
+    const std::vector<scene::Light>& lights = state.scene().lights;
+    light_states_.clear();
+    for (scene::LightId l = 0; l < lights.size(); ++l) light_states_.push_back(state.light(l));
+    return {lights, light_states_, state.changes().lights_moved, state.changes().lights_started};
+}
+
+int LightViews::views_of(const scene::Light& light) const
+{
+    if (light.of_surface && !options_.of_surfaces) return 0;
+    return view_count(light, bounds_, options_.projection);
 }
 
 // Makes the atlas and the views of all lights.
-void LightViews::lay_out(const scene::SceneState& state)
+void LightViews::lay_out(const ViewedLights& viewed)
 {
-    const std::vector<scene::Light>& lights = state.scene().lights;
+    const std::span<const scene::Light> lights = viewed.lights;
     std::vector<int> counts;
-    for (const scene::Light& light : lights) counts.push_back(view_count(light, bounds_, options_.projection));
+    for (const scene::Light& light : lights) counts.push_back(views_of(light));
     atlas_ = make_atlas(counts, options_.atlas);
     views_.clear();
     trackers_.clear();
@@ -46,19 +65,19 @@ void LightViews::lay_out(const scene::SceneState& state)
 }
 
 // Follows the bounds of the scene, and lights whose cones changed.
-void LightViews::follow_bounds(const scene::SceneState& state)
+void LightViews::follow_bounds(const scene::SceneState& state, const ViewedLights& viewed)
 {
     const bool other = !(state.present_bounds() == bounds_);
-    if (!other && state.changes().lights_moved.empty()) return;
+    if (!other && viewed.moved.empty()) return;
     if (other) {
         bounds_ = state.present_bounds();
         first_ = true;
     }
-    const std::vector<scene::Light>& lights = state.scene().lights;
+    const std::span<const scene::Light> lights = viewed.lights;
     for (scene::LightId l = 0; l < lights.size(); ++l) {
         const auto views = static_cast<int>(atlas_.first_tile[l + 1] - atlas_.first_tile[l]);
-        if (views == view_count(lights[l], bounds_, options_.projection)) continue;
-        lay_out(state);
+        if (views == views_of(lights[l])) continue;
+        lay_out(viewed);
         ++layout_version_;
         return;
     }
@@ -102,11 +121,14 @@ void LightViews::note_changes(const scene::SceneState& state)
 
 void LightViews::update(const scene::SceneState& state)
 {
-    follow_bounds(state);
+    update(state, lights_of(state));
+}
+
+void LightViews::update(const scene::SceneState& state, const ViewedLights& viewed)
+{
+    follow_bounds(state, viewed);
     note_changes(state);
-    const scene::Scene& scene = state.scene();
     const FrameMobility frame{state, casters_, changed_, dynamics_, is_dynamic_};
-    const auto& moved = state.changes().lights_moved;
 
     counts_ = {};
     counts_.touched = changed_.size() + dynamics_.size();
@@ -115,15 +137,16 @@ void LightViews::update(const scene::SceneState& state)
     for (std::size_t v = 0; v < views_.size();) {
         const scene::LightId l = views_[v].light;
         const std::size_t end = atlas_.first_tile[l + 1];
-        const scene::LightState& light = state.light(l);
-        const bool moves = holds(moved, l);
+        const scene::LightState& light = viewed.states[l];
+        const bool moves = holds(viewed.moved, l);
         const bool was_shown = views_[v].shown;
         if (light.visible && (moves || first_ || !was_shown)) {
             // Compute the light's current projections.
-            const auto projections = project(scene.lights[l], light, bounds_, views_[v].tile.size, options_.projection);
+            const auto projections =
+                project(viewed.lights[l], light, bounds_, views_[v].tile.size, options_.projection);
             for (std::size_t i = v; i < end; ++i) views_[i].projection = projections[i - v];
         }
-        const bool restless = moves && !holds(state.changes().lights_started, l);
+        const bool restless = moves && !holds(viewed.started, l);
         for (; v < end; ++v) {
             LightView& view = views_[v];
             view.shown = light.visible;

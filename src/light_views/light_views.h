@@ -20,9 +20,18 @@ namespace gnomon::light_views {
 struct LightViewsOptions {
     ProjectionOptions projection;
     AtlasOptions atlas;
-    int quiet_frames = 8;     // frames at rest after which an object is static
-    bool coherence = true;    // false: everything is redrawn in every frame, for comparison
-    bool receivers = false;   // also list objects whose shadow textures change
+    int quiet_frames = 8;      // frames at rest after which an object is static
+    bool coherence = true;     // false: everything is redrawn in every frame, for comparison
+    bool receivers = false;    // also list objects whose shadow textures change
+    bool of_surfaces = true;   // false: lights that approximate surfaces (Light::of_surface) have no views
+};
+
+/// The lights whose views are kept, at the current time.
+struct ViewedLights {
+    std::span<const scene::Light> lights;
+    std::span<const scene::LightState> states;   // by light
+    std::span<const scene::LightId> moved;       // since the last update, ascending; as FrameChanges::lights_moved
+    std::span<const scene::LightId> started;     // those of `moved` that rested before
 };
 
 /// One square of the atlas: the view of a spot or directional light, or one face of a point light.
@@ -47,10 +56,13 @@ class LightViews {
     /// Makes no plans yet. Keeps a reference to the state's scene, but not to the state.
     /// @throws MissingError  more lights than the atlas's budget holds
     explicit LightViews(const scene::SceneState& state, const LightViewsOptions& options = {});
+    /// The same for lights that are not the scene's, as places on surfaces. Their number must stay.
+    LightViews(const scene::SceneState& state, const ViewedLights& lights, const LightViewsOptions& options);
 
     /// Makes the plans for the current state. Call once after every advance(); the first call plans complete redraws.
     /// @throws MissingError  other bounds, or a wider cone, need more views than the atlas's budget holds
     void update(const scene::SceneState& state);
+    void update(const scene::SceneState& state, const ViewedLights& lights);
     /// Call if the buffers were lost: the next update plans complete redraws.
     void forget();
 
@@ -73,8 +85,10 @@ class LightViews {
     const LightViewsCounts& counts() const { return counts_; }
 
  private:
-    void lay_out(const scene::SceneState& state);
-    void follow_bounds(const scene::SceneState& state);
+    ViewedLights lights_of(const scene::SceneState& state);
+    int views_of(const scene::Light& light) const;
+    void lay_out(const ViewedLights& lights);
+    void follow_bounds(const scene::SceneState& state, const ViewedLights& lights);
     void note_changes(const scene::SceneState& state);
     void note_mobility(scene::ObjectId object);
 
@@ -87,7 +101,8 @@ class LightViews {
     std::vector<ViewTracker> trackers_;
     std::vector<char> is_dynamic_;
     std::vector<scene::ObjectId> changed_, dynamics_, overridden_;
-    bool first_ = true;   // all projections are to be computed
+    std::vector<scene::LightState> light_states_;   // of the scene's lights
+    bool first_ = true;                             // all projections are to be computed
     std::uint32_t layout_version_ = 0;
     std::uint64_t touched_before_ = 0;
     LightViewsCounts counts_;

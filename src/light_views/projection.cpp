@@ -23,23 +23,42 @@ glm::dmat4 view_matrix(const glm::dvec3& right, const glm::dvec3& down, const gl
     return m;
 }
 
-// x, y scaled by 1 / tan; depth = near / w; w = distance along the axis.
+// x and y scaled by 1 / tangents; depth = near / w; w = distance along the axis.
 ViewProjection perspective(const glm::dvec3& right, const glm::dvec3& down, const glm::dvec3& forward,
-                           const glm::dvec3& eye, double tangent, double near, int size)
+                           const glm::dvec3& eye, const glm::dvec2& tangents, double near, int size)
 {
     glm::dmat4 p(0);
-    p[0][0] = p[1][1] = 1 / tangent;
+    p[0][0] = 1 / tangents.x, p[1][1] = 1 / tangents.y;
     p[3][2] = near;
     p[2][3] = 1;
     ViewProjection view;
     view.clip_from_world = glm::mat4(p * view_matrix(right, down, forward, eye));
     view.origin = glm::vec3(eye);
     view.forward = glm::vec3(forward);
-    view.across = glm::vec3(tangent * right);
-    view.down = glm::vec3(tangent * down);
+    view.across = glm::vec3(tangents.x * right);
+    view.down = glm::vec3(tangents.y * down);
     view.reach = static_cast<float>(near);
     view.size = size;
     return view;
+}
+
+// The half space before a light, as half of a cube. The sides are seen at a slant, so that none of a view lies behind.
+std::vector<ViewProjection> half_cube(const glm::vec3& direction, const glm::dvec3& eye, double stretch, double near,
+                                      int size)
+{
+    glm::vec3 s, t;
+    make_basis(direction, s, t);
+    const glm::dvec3 axes[] = {glm::dvec3(s), glm::dvec3(t)}, top(direction);
+    std::vector<ViewProjection> views{perspective(axes[0], axes[1], top, eye, glm::dvec2(stretch), near, size)};
+    const double slant = k_pi / 8;   // half of the 45 degrees from the horizon to the top
+    const glm::dvec2 tangents(1 / std::cos(slant), std::tan(slant));
+    for (int side = 0; side < 4; ++side) {
+        const glm::dvec3 out = (side % 2 ? -1.0 : 1.0) * axes[side / 2];
+        const glm::dvec3 forward = std::cos(slant) * out + std::sin(slant) * top,
+                         down = std::cos(slant) * top - std::sin(slant) * out;
+        views.push_back(perspective(axes[1 - side / 2], down, forward, eye, stretch * tangents, near, size));
+    }
+    return views;
 }
 
 struct Extent {
@@ -105,7 +124,8 @@ int view_count(const scene::Light& light, const SceneBounds& bounds, const Proje
         case scene::LightType::point:
             return 6;
         case scene::LightType::spot:
-            return static_cast<double>(light.outer_angle) > options.widest_spot ? 6 : 1;
+            if (static_cast<double>(light.outer_angle) <= options.widest_spot) return 1;
+            return options.half_cubes ? 5 : 6;
         case scene::LightType::directional:
             break;
     }
@@ -138,9 +158,10 @@ std::vector<ViewProjection> project(const scene::Light& light, const scene::Ligh
         make_basis(state.direction, s, t);
         const double tangent = std::tan(static_cast<double>(light.outer_angle)) * stretch;
         views.push_back(perspective(glm::dvec3(s), glm::dvec3(t), glm::dvec3(state.direction), eye,
-                                    std::max(tangent, 1e-4), near, size));
+                                    glm::dvec2(std::max(tangent, 1e-4)), near, size));
         return views;
     }
+    if (count == 5) return half_cube(state.direction, eye, stretch, near, size);
     // A point light: six faces of a cube.
     for (int face = 0; face < 6; ++face) {
         const int axis = face / 2;
@@ -148,7 +169,7 @@ std::vector<ViewProjection> project(const scene::Light& light, const scene::Ligh
         forward[axis] = face % 2 ? -1 : 1;
         right[(axis + 1) % 3] = 1;
         down[(axis + 2) % 3] = 1;
-        views.push_back(perspective(right, down, forward, eye, stretch, near, size));
+        views.push_back(perspective(right, down, forward, eye, glm::dvec2(stretch), near, size));
     }
     return views;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Projections of light views: one square view for a spot or directional light, six for a point light; and the texels of
-// a view that a box covers.
+// Projections of light views: one square view for a spot or directional light, six for a point light, five for the half
+// of a cube that a place on a surface lights; and the texels of a view that a box covers.
 //
 // Depth is reversed, from 1 near to 0 far (perspective: near / distance along the axis, without a far plane), so floats
 // keep the same relative precision at every distance. Texel (0, 0) is at clip (-1, -1), as in Vulkan. A projection
@@ -23,6 +23,7 @@ namespace gnomon::light_views {
 struct ProjectionOptions {
     double near_fraction = 1e-4;   // near plane of spot and point lights, as a fraction of the scene's diagonal
     double widest_spot = 1.2;      // half-angle in radians; wider spots use the six faces of a point light
+    bool half_cubes = false;       // wider spots use five views of the half space before them instead
     double dense_gain = 2;         // directional: use a second view if it has this many times the texels per metre
     int border = 4;                // texels around the lit part: filters read them, and faces of a cube overlap by them
 };
@@ -48,11 +49,13 @@ struct ViewProjection {
 
 using scene::SceneBounds;
 
-/// The number of views of a light: 1; 2 for a directional one in a wide landscape; 6 for a point light.
+/// The number of views of a light: 1; 2 for a directional one in a wide landscape; 5 or 6 for a wide spot (half_cubes),
+/// 6 for a point light.
 int view_count(const scene::Light& light, const SceneBounds& bounds, const ProjectionOptions& options);
 
 /// The view_count() views of a light, all with `size` texels a side. Point lights: faces +x -x +y -y +z -z; two views
-/// of a directional light: the dense part, then everything.
+/// of a directional light: the dense part, then everything; half cubes: the top, whose `across` and `down` are the axes
+/// s and t, then the sides +s -s +t -t.
 std::vector<ViewProjection> project(const scene::Light& light, const scene::LightState& state,
                                     const SceneBounds& bounds, int size, const ProjectionOptions& options);
 

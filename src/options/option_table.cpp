@@ -59,6 +59,9 @@ constexpr Option k_options[] = {
      .subcommands = k_benches, .group = k_output, .help = "size of the image in pixels; keeps the vertical field of view"},
     {.name = "report", .argument = "DIR", .kind = Kind::text, .subcommands = k_reports, .group = k_output,
      .help = "also write DIR/index.html: tables and charts with the paper's values, and the data"},
+    {.name = "report", .argument = "DIR", .kind = Kind::text, .subcommands = bit(bench_lights), .group = k_output,
+     .help = "also write DIR/index.html: tables, images, shadow states, the rasterised frame beside the traced one, and "
+             "the data"},
     {.name = "report", .argument = "DIR", .kind = Kind::text, .subcommands = bit(bench_all), .group = k_output,
      .help = "folder for index.html: tables and charts with the papers' values, and the data"},
     {.name = "scenes", .argument = "DIR", .kind = Kind::text, .subcommands = bit(bench_all), .group = k_output,
@@ -167,12 +170,12 @@ constexpr Option k_options[] = {
      .subcommands = k_images, .group = k_look, .help = "tone mapping operator"},
     {.name = "overlay", .argument = "NAME", .kind = Kind::choice, .choices = k_choices<Overlay>,
      .subcommands = k_images, .group = k_look,
-     .help = "colour the image by internal state. shadow-states: cached shadows, in a panel of --size for each light, "
-             "with a legend; results that differ from tracing every ray are counted and highlighted. redrawn: what the "
+     .help = "colour the image by internal state. shadow-states: cached shadows, in a panel of --size for each light "
+             "and each emissive object, with a legend; results that differ from tracing every ray are counted and highlighted. redrawn: what the "
              "light views of the rasteriser drew in this frame: red is dynamic, green came to rest, yellow was repaired. "
              "clusters: the light clusters of --indirect quadtree"},
     {.name = "overlay-light", .argument = "N", .kind = Kind::integer, .range = {0, k_many}, .subcommands = k_images,
-     .group = k_look, .help = "show shadow states only for this light, counted from 0 (default: for all lights)"},
+     .group = k_look, .help = "show shadow states only for this light, counted from 0; emissive objects follow the lights (default: for all)"},
 
     {.name = "method", .argument = "HOW", .kind = Kind::choice, .choices = "paper|certified", .repeats = true,
      .subcommands = bit(bench_culling), .group = k_shadows, .help = "methods to compare with tracing every ray (default: both)"},

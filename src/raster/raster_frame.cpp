@@ -146,6 +146,7 @@ FrameCounters RasterFrame::render(const scene::SceneState& state, const scene::V
     }
     if (bounced_) counters.indirect = bounced_->end_frame();
     if (visibility_) visibility_->count(counters);
+    if (sized_) counters.draws += sized_->draws();
     return counters;
 }
 
@@ -179,6 +180,7 @@ void RasterFrame::begin_frame(const scene::SceneState& state, const scene::View&
     if (options.layers)
         commands_.pass("forget lit").writes(lit_, vk::Use::copy_target).copy([&](vk::Recorder& r) { r.fill(lit_, 0); });
     if (visibility_) visibility_->update(commands_, state, planes);
+    if (sized_) sized_->update(commands_, state);
 }
 
 // Draws one sample of every pixel, layer by layer. One submit a sample: so progress can be reported, and a long frame
@@ -200,7 +202,7 @@ RasterFrame::Drawn RasterFrame::draw_sample(const scene::View& view, const Raste
             resolve({offset, weight, layer == 0 ? 1u : 0u, peeled ? 1u : 0u, layer + 1 == layers ? 1u : 0u});
             if (!kept_key_.empty()) copy(color_, own_);
         }
-        light(options, options.layers && layer == 0);
+        light(options, view, options.layers && layer == 0);
         bounce(view, options.layers && layer == 0);
         if (options.ids && sample == 0 && layer == 0) drawn.ids = commands_.read_back(surfaces_.ids);
         if (!options.layers || layer > 0) continue;

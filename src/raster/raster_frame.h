@@ -5,6 +5,8 @@
 //   cull -> ids of opaque surfaces -> per layer: ids of transparent surfaces -> surfaces -> (shadows) -> lights
 //                                                                                -> (indirect light)
 //
+// Lights are points, spots and suns (LightVisibility says which reach a surface) and lights with size (SizedDirect).
+//
 // Only ids (draw and triangle) are drawn. A compute pass then makes each pixel's surface from its triangle, by the
 // formulas and with the ray cone of the traced frame. So both frames see the same surface, texel and normal, and differ
 // only where a ray and the rasteriser disagree about an edge.
@@ -23,6 +25,7 @@
 #include "gnomon/types.h"
 #include "raster/gbuffer.h"
 #include "raster/raster_shared.h"
+#include "raster/sized_direct.h"
 #include "shading/frame_buffers.h"
 
 namespace gnomon::raster {
@@ -47,6 +50,8 @@ class RasterFrame {
 
     /// Shadows from the next frame on; null: none.
     void set_visibility(std::unique_ptr<LightVisibility> visibility) { visibility_ = std::move(visibility); }
+    /// Direct light of lights with size from the next frame on; the lights that approximate surfaces are then left out.
+    void set_sized(std::unique_ptr<SizedDirect> sized) { sized_ = std::move(sized); }
     /// Indirect light from the next frame on; null: ambient light stands in for it.
     void set_bounced(std::unique_ptr<BouncedLight> bounced) { bounced_ = std::move(bounced); }
 
@@ -80,7 +85,8 @@ class RasterFrame {
     void peel(const shared::DrawPush& push, const vk::Image& last_depth, const vk::Image& depth);
     void draw_groups(vk::Recorder& r, scene::SurfaceClass surface) const;
     void resolve(const shared::ResolvePush& push);
-    void light(const RasterOptions& options, bool layers);
+    void light(const RasterOptions& options, const scene::View& view, bool layers);
+    void light_by(std::uint32_t first, std::uint32_t end, const RasterOptions& options, bool layers);
     void bounce(const scene::View& view, bool layers);
     void clear(const vk::Image& image, float value);
     void copy(const vk::Image& from, const vk::Image& to);
@@ -92,6 +98,7 @@ class RasterFrame {
     vk::Commands commands_;
     std::unique_ptr<LightVisibility> visibility_;
     std::unique_ptr<BouncedLight> bounced_;
+    std::unique_ptr<SizedDirect> sized_;
     vk::Pipeline opaque_, masked_, peel_, resolve_, shade_, bounce_;
     vk::Buffer frame_, environment_, lit_;
 

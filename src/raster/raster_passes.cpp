@@ -191,17 +191,29 @@ void RasterFrame::resolve(const ResolvePush& push)
         });
 }
 
-// Adds all lights, in batches where shadows are filled in. Of the layers of lit pixels a shader may get fewer at once
-// than a batch has: the pass then goes over the batch again for the others. It adds to the colours the first time
-// alone, so that these do not depend on the number of layers.
-void RasterFrame::light(const RasterOptions& options, bool layers)
+// Adds all lights. Where lights with size are lit by themselves, the lights that approximate them are left out.
+void RasterFrame::light(const RasterOptions& options, const scene::View& view, bool layers)
 {
-    const auto lights = static_cast<std::uint32_t>(described_->lights.size());
-    const std::uint32_t batch = visibility_ ? std::max(1u, options.light_batch) : lights;
+    const std::vector<scene::Light>& lights = described_->lights;
+    const auto left_out = [&](std::uint32_t l) { return sized_ && lights[l].of_surface; };
+    const auto all = static_cast<std::uint32_t>(lights.size());
+    for (std::uint32_t first = 0, end = 0; first < all; first = end) {
+        for (end = first + 1; end < all && left_out(end) == left_out(first);) ++end;
+        if (!left_out(first)) light_by(first, end, options, layers);
+    }
+    if (sized_) sized_->add(commands_, {surfaces_, share_, frame_, view}, color_, direct_, layers);
+}
+
+// Adds a run of lights, in batches where shadows are filled in. Of the layers of lit pixels a shader may get fewer at
+// once than a batch has: the pass then goes over the batch again for the others. It adds to the colours the first time
+// alone, so that these do not depend on the number of layers.
+void RasterFrame::light_by(std::uint32_t begin, std::uint32_t end, const RasterOptions& options, bool layers)
+{
+    const std::uint32_t lights = end - begin, batch = visibility_ ? std::max(1u, options.light_batch) : lights;
     const VkDeviceSize one = lit_pixels(size_) * sizeof(float), most = device_->limits().maxStorageBufferRange;
     const auto at_once = static_cast<std::uint32_t>(layers ? std::min<VkDeviceSize>(most / one, lights) : lights);
-    for (std::uint32_t first = 0; first < lights; first += batch) {
-        const std::uint32_t count = std::min(batch, lights - first);
+    for (std::uint32_t first = begin; first < end; first += batch) {
+        const std::uint32_t count = std::min(batch, end - first);
         if (visibility_) visibility_->fill(commands_, surfaces_, first, count, lights_visible_);
         commands_.pass("lights")
             .uses(shade_)

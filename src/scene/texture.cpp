@@ -54,6 +54,12 @@ float reduce(float x, Wrap wrap)
     return {table[p[0]], table[p[1]], table[p[2]], p[3] * scale};
 }
 
+[[gnu::always_inline]] inline float decode_alpha(const std::uint8_t* p)
+{
+    constexpr float scale = 1.0f / 255.0f;
+    return p[3] * scale;
+}
+
 std::uint8_t encode8(float value, bool srgb)
 {
     const float encoded = srgb ? srgb_from_linear(value) : value;
@@ -151,6 +157,22 @@ glm::vec4 Texture::bilinear(const Image8& level, glm::vec2 uv) const
     return top * (1 - wy) + bottom * wy;
 }
 
+// The last component of bilinear(), to the bit.
+float Texture::bilinear_alpha(const Image8& level, glm::vec2 uv) const
+{
+    const float x = uv.x * static_cast<float>(level.width) - 0.5f;
+    const float y = uv.y * static_cast<float>(level.height) - 0.5f;
+    const float fx = std::floor(x), fy = std::floor(y);
+    const int ix = static_cast<int>(fx), iy = static_cast<int>(fy);
+    const float wx = x - fx, wy = y - fy;
+    const int x0 = wrap_texel(ix, level.width, sampler_.wrap_u), x1 = wrap_texel(ix + 1, level.width, sampler_.wrap_u);
+    const std::uint8_t* const upper = level.pixel(0, wrap_texel(iy, level.height, sampler_.wrap_v));
+    const std::uint8_t* const lower = level.pixel(0, wrap_texel(iy + 1, level.height, sampler_.wrap_v));
+    const float top = decode_alpha(upper + 4 * x0) * (1 - wx) + decode_alpha(upper + 4 * x1) * wx;
+    const float bottom = decode_alpha(lower + 4 * x0) * (1 - wx) + decode_alpha(lower + 4 * x1) * wx;
+    return top * (1 - wy) + bottom * wy;
+}
+
 glm::vec4 Texture::sample(glm::vec2 uv, float footprint) const
 {
     uv = {reduce(uv.x, sampler_.wrap_u), reduce(uv.y, sampler_.wrap_v)};
@@ -173,7 +195,7 @@ float Texture::alpha(glm::vec2 uv) const
 {
     if (!has_alpha_) return 1;
     uv = {reduce(uv.x, sampler_.wrap_u), reduce(uv.y, sampler_.wrap_v)};
-    return sampler_.magnify == Filter::nearest ? nearest(levels_[0], uv).w : bilinear(levels_[0], uv).w;
+    return sampler_.magnify == Filter::nearest ? nearest(levels_[0], uv).w : bilinear_alpha(levels_[0], uv);
 }
 
 glm::vec2 TextureUse::apply(glm::vec2 uv) const

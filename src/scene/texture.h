@@ -53,6 +53,7 @@ class Texture {
  private:
     glm::vec4 texel(const Image8& level, int x, int y) const;
     glm::vec4 bilinear(const Image8& level, glm::vec2 uv) const;
+    float bilinear_alpha(const Image8& level, glm::vec2 uv) const;
     glm::vec4 nearest(const Image8& level, glm::vec2 uv) const;
 
     std::string name_;

@@ -4,13 +4,15 @@
 #include <algorithm>
 #include <array>
 
+#include "shading/lobe_shared.h"
+
 namespace gnomon::shading {
 
 namespace {
 
 constexpr float k_float_pi = static_cast<float>(k_pi);
-constexpr float k_least_roughness = 0.05f;   // below it, a mirror ray shows the same
-constexpr float k_least_cosine = 1e-3f;      // of the view: seen more edge-on, a surface counts as a mirror
+constexpr float k_least_roughness = GNOMON_LOBE_LEAST_ROUGHNESS;
+constexpr float k_least_cosine = GNOMON_LOBE_LEAST_VIEW;
 
 float alpha_of(float roughness)
 {
@@ -67,7 +69,7 @@ float schlick_part(float cosine)
 // Directional albedo of the lobe by cosine and roughness, in two parts: with reflectance f0 at normal incidence it is
 // f0 * part[0] + part[1] [Karis 2013]. Integrated once, from a regular pattern.
 struct AlbedoTable {
-    static constexpr int k_side = 32, k_strata = 24;
+    static constexpr int k_side = GNOMON_ALBEDO_SIDE, k_strata = 24;
     std::array<glm::vec2, k_side * k_side> parts;
 
     AlbedoTable()
@@ -161,6 +163,11 @@ float glossy_density(const SurfacePoint& s, const glm::vec3& direction)
     if (n_h <= 0) return 0;
     const float alpha = alpha_of(s.roughness), a2 = alpha * alpha;
     return masking(n_v, a2) * distribution(n_h, a2) / (4 * n_v);
+}
+
+std::span<const glm::vec2> glossy_albedo_table()
+{
+    return albedo_table().parts;
 }
 
 glm::vec3 glossy_albedo(const SurfacePoint& s)

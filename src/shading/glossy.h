@@ -6,6 +6,8 @@
 //
 // shading.h reflects the light of points with the same lobe, without the energy given back.
 
+#include <span>
+
 #include "shading/surface.h"
 
 namespace gnomon::shading {
@@ -24,5 +26,9 @@ float glossy_density(const SurfacePoint& s, const glm::vec3& direction);
 /// The fraction of light from everywhere that the lobe reflects to the viewer, coverage left out. What it leaves
 /// reaches the diffuse layer below.
 glm::vec3 glossy_albedo(const SurfacePoint& s);
+/// The table that glossy_albedo() interpolates, for shaders (lobe_shared.h): row by row of roughness, from 0 to 1, by
+/// the cosine of the view, from 0 to 1. With a reflectance of f0 at normal incidence, the albedo is f0 * x + y, before
+/// the lost energy is given back.
+std::span<const glm::vec2> glossy_albedo_table();
 
 }   // namespace gnomon::shading

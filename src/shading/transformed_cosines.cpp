@@ -6,17 +6,20 @@
 #include <vector>
 
 #include "shading/glossy.h"
+#include "shading/lobe_shared.h"
 
 namespace gnomon::shading {
 
 namespace {
 
-constexpr int k_rows = 20, k_columns = 20;   // roughness, view
-constexpr int k_side = 20;                   // of the pattern of directions that a fit uses
-constexpr int k_steps = 80;                  // of the simplex search
+constexpr int k_rows = GNOMON_COSINE_ROWS, k_columns = GNOMON_COSINE_COLUMNS;
+constexpr int k_side = 20;    // of the pattern of directions that a fit uses
+constexpr int k_steps = 80;   // of the simplex search
 constexpr double k_shear_penalty = 1e-3;
-constexpr double k_first_roughness = 0.05;
+constexpr double k_first_roughness = 0.05;   // to the double
 constexpr double k_least_cosine = 2e-3;
+static_assert(static_cast<float>(k_first_roughness) == GNOMON_COSINE_FIRST_ROUGHNESS &&
+              static_cast<float>(k_least_cosine) == GNOMON_COSINE_LEAST_VIEW);
 
 // M = R(turn) [a 0 c; 0 b 0; 0 0 1], where R turns the z axis in the plane of x and z onto the lobe's axis, which is
 // `tilt` away from the mirror direction, towards the normal.
@@ -207,14 +210,28 @@ struct Table {
     }
 };
 
+const Table& table()
+{
+    static const Table made;
+    return made;
+}
+
 }   // namespace
+
+std::vector<TransformedCosineFit> transformed_cosine_fits()
+{
+    std::vector<TransformedCosineFit> fits;
+    for (const Fit& f : table().fits)
+        fits.push_back({static_cast<float>(f.a), static_cast<float>(f.b), static_cast<float>(f.c),
+                        static_cast<float>(f.tilt), static_cast<float>(f.scale)});
+    return fits;
+}
 
 TransformedCosine transformed_cosine(float n_v, float roughness)
 {
-    static const Table table;
     const double cosine = std::clamp(static_cast<double>(n_v), k_least_cosine, 1.0);
     const double rough = std::clamp(static_cast<double>(roughness), k_first_roughness, 1.0);
-    const Fit fit = table.at(cosine, rough);
+    const Fit fit = table().at(cosine, rough);
     return {glm::inverse(matrix(rough * rough, std::acos(cosine), fit)), fit.scale};
 }
 

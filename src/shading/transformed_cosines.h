@@ -10,6 +10,8 @@
 //
 // Cost: .3 s of processor time once (2 cores, AMD EPYC with AVX-512); a bilinear look-up per point.
 
+#include <vector>
+
 #include "base/math.h"
 
 namespace gnomon::shading {
@@ -24,5 +26,15 @@ struct TransformedCosine {
 /// @param n_v        cosine of the view, above 0
 /// @param roughness  perceptual, 0.05 to 1
 TransformedCosine transformed_cosine(float n_v, float roughness);
+
+/// One fit of the table, for shaders, which mix neighbouring ones and compute the matrix (lobe_shared.h). The matrix is
+/// R(turn) [a 0 c; 0 b 0; 0 0 1], where R turns the z axis in the plane of x and z onto the lobe's axis, which is
+/// `tilt` away from the mirror direction, towards the normal. All but the scale are in units of alpha.
+struct TransformedCosineFit {
+    float a = 1, b = 1, c = 0, tilt = 0;
+    float scale = 1;
+};
+/// Row by row of roughness, by the view.
+std::vector<TransformedCosineFit> transformed_cosine_fits();
 
 }   // namespace gnomon::shading

@@ -53,6 +53,7 @@ class CheckedShadows::Work final : public Worker {
     PointState shown_state(const PointBatch& batch, std::uint32_t p, scene::LightId id) const
     {
         const scene::Scene& scene = tester_.state_->scene();
+        if (id >= scene.lights.size()) return {StateMark::away};   // lights with size: see CheckedSized
         const scene::Light& light = scene.lights[id];
         const scene::LightState& at = tester_.state_->light(id);
         const shadow_culling::ShadowPoint& here = batch.shadow_points[p];

@@ -9,31 +9,21 @@ namespace {
 
 using area_light::AreaVisibility;
 
-area_light::AreaLight area_light_of(const scene::SizedLight& light)
+StateMark mark_of(area_light::PartState state)
 {
-    const auto polygon = [](const scene::SizedFace& face) {
-        return area_light::LightPolygon{face.corner, face.corners, face.normal};
-    };
-    area_light::AreaLight area;
-    area.shape.outline = polygon(light.outline);
-    if (light.faces.size() > 1)
-        for (const scene::SizedFace& face : light.faces) area.shape.faces.push_back(polygon(face));
-    area.two_sided = light.outline.two_sided;
-    area.dynamic = light.dynamic;
-    return area;
-}
-
-// The radiance of the light's own sample place that is nearest.
-glm::vec3 radiance_near(const scene::SizedLight& light, const glm::vec3& position)
-{
-    const scene::SizedPlace* nearest = nullptr;
-    float least = k_infinity;
-    for (const scene::SizedPlace& place : light.places) {
-        const glm::vec3 way = place.position - position;
-        const float square = glm::dot(way, way);
-        if (square < least) least = square, nearest = &place;
+    switch (state) {
+        case area_light::PartState::unlit:
+            return StateMark::away;
+        case area_light::PartState::lit:
+            return StateMark::none;
+        case area_light::PartState::dark:
+            return StateMark::full;
+        case area_light::PartState::listed:
+            return StateMark::penumbra;
+        case area_light::PartState::open:
+            break;
     }
-    return nearest ? nearest->radiance : light.faces.front().radiance;
+    return StateMark::partial;
 }
 
 }   // namespace
@@ -51,19 +41,18 @@ class ProvenVisibility::Work final : public Worker {
         if (planar == k_sampled) return sampled_->find_visible(batch, light, points, result);
         owner_.visibility_->find(scratch_, batch.shadow_points, points, planar, answers_);
         result.reset(points.size());
-        const Places& places = owner_.places_[planar];
+        const area_light::CellPlaces& places = owner_.places_[planar];
+        const bool light_moves = owner_.lights_->lights()[light].dynamic;
         for (std::size_t k = 0; k < points.size(); ++k) {
+            const bool moves = light_moves || owner_.state_->is_dynamic(batch.shadow_points[points[k]].object);
+            result.state[k] = moves ? StateMark::moving : mark_of(answers_.state[k]);
             if (answers_.answer[k] == AreaVisibility::Answer::lit) result.answer[k] = SizedVisible::Answer::lit;
             if (answers_.answer[k] != AreaVisibility::Answer::partial) continue;
             const std::size_t side = answers_.back[k] ? 1 : 0;
             const area_light::VisibleCells& cells = answers_.cells[answers_.at[k]];
             const area_light::LightCells& of = owner_.visibility_->cells(planar, answers_.back[k] != 0);
             std::uint8_t* seen = result.add_partial(k, places.of[side]);
-            for (std::size_t i = 0; i < places.of[side].size(); ++i) {
-                const std::uint16_t cell = places.cell[side][i];
-                const int count = of.count(cell);
-                seen[i] = static_cast<std::uint8_t>((SizedVisible::k_whole * cells[cell] + count / 2) / count);
-            }
+            places.fill_seen(side, of, cells, seen);
             if (places.one_radiance) {
                 const visibility::ShadowPoint& p = batch.shadow_points[points[k]];
                 result.share[k] = of.share(p.origin, batch.normals[points[k]], p.normal, cells);
@@ -84,6 +73,7 @@ class ProvenVisibility::Work final : public Worker {
 void ProvenVisibility::begin_frame(const FrameContext& frame, const scene::SizedLights& lights)
 {
     sampled_.begin_frame(frame, lights);
+    state_ = &frame.state;
     const bool first = !visibility_;
     if (first) visibility_ = std::make_unique<AreaVisibility>(frame.state, frame.rays, options_);
     std::vector<area_light::AreaLight> planar;
@@ -91,33 +81,16 @@ void ProvenVisibility::begin_frame(const FrameContext& frame, const scene::Sized
     for (std::size_t l = 0; l < lights.lights().size(); ++l) {
         if (!lights.lights()[l].is_flat()) continue;
         planar_[l] = static_cast<std::uint32_t>(planar.size());
-        planar.push_back(area_light_of(lights.lights()[l]));
+        planar.push_back(area_light::area_light_of(lights.lights()[l]));
     }
     visibility_->follow(frame.state, frame.rays, planar);
     if (!first && lights_ == &lights && version_ == lights.version()) return;
 
     // Make sample places of the cells.
     lights_ = &lights, version_ = lights.version();
-    places_.assign(planar.size(), {});
-    for (std::size_t l = 0; l < lights.lights().size(); ++l) {
-        if (planar_[l] == k_sampled) continue;
-        const scene::SizedLight& light = lights.lights()[l];
-        Places& places = places_[planar_[l]];
-        places.one_radiance = light.cell_radiance.empty();
-        for (std::size_t side = 0; side < (light.faces.front().two_sided ? 2u : 1u); ++side) {
-            const area_light::LightCells& cells = visibility_->cells(planar_[l], side == 1);
-            for (int c = 0; c < area_light::k_cells; ++c) {
-                if (cells.count(c) == 0) continue;
-                scene::SizedPlace place;
-                place.position = cells.position(c);
-                place.radiance =
-                    places.one_radiance ? light.faces.front().radiance : radiance_near(light, place.position);
-                place.area = cells.area_of_place() * static_cast<float>(cells.count(c));
-                places.of[side].push_back(place);
-                places.cell[side].push_back(static_cast<std::uint16_t>(c));
-            }
-        }
-    }
+    places_.clear();
+    for (std::size_t l = 0; l < lights.lights().size(); ++l)
+        if (planar_[l] != k_sampled) places_.emplace_back(*visibility_, planar_[l], lights.lights()[l]);
 }
 
 std::unique_ptr<SizedVisibility::Worker> ProvenVisibility::make_worker()
@@ -148,7 +121,7 @@ area_light::AreaCounters ProvenVisibility::parts() const
 std::size_t ProvenVisibility::bytes() const
 {
     std::size_t bytes = visibility_ ? visibility_->bytes() : 0;
-    for (const Places& places : places_)
+    for (const area_light::CellPlaces& places : places_)
         for (const auto& of : places.of) bytes += of.size() * (sizeof(scene::SizedPlace) + sizeof(std::uint16_t));
     return bytes;
 }

@@ -5,7 +5,7 @@
 // Flat lights, of one polygon or several, are answered by it; clusters, and what the technique cannot decide, by rays.
 // It outlives frames: make one for a scene state, and let it follow.
 
-#include "area_light/area_visibility.h"
+#include "area_light/cell_places.h"
 #include "trace/sized_visibility.h"
 
 namespace gnomon::trace {
@@ -27,20 +27,14 @@ class ProvenVisibility final : public SizedVisibility {
  private:
     class Work;
     static constexpr std::uint32_t k_sampled = 0xffffffffu;
-    // Both sides of a light's cells as sample places.
-    struct Places {
-        std::vector<scene::SizedPlace> of[2];   // front, back
-        std::vector<std::uint16_t> cell[2];     // of each place
-        bool one_radiance = true;
-    };
-
     area_light::AreaOptions options_;
     std::unique_ptr<area_light::AreaVisibility> visibility_;
     SampledVisibility sampled_;
     const scene::SizedLights* lights_ = nullptr;
-    std::uint32_t version_ = 0;           // of the lights
-    std::vector<std::uint32_t> planar_;   // by light: index among the planar ones; k_sampled: a cluster
-    std::vector<Places> places_;          // by planar light
+    const scene::SceneState* state_ = nullptr;     // of the frame
+    std::uint32_t version_ = 0;                    // of the lights
+    std::vector<std::uint32_t> planar_;            // by light: index among the planar ones; k_sampled: a cluster
+    std::vector<area_light::CellPlaces> places_;   // by planar light
     area_light::VisibilityCounters counters_;
 };
 

@@ -16,6 +16,7 @@
 
 #include "scene/sized_light.h"
 #include "trace/point_batch.h"
+#include "trace/state_map.h"
 
 namespace gnomon::trace {
 
@@ -37,6 +38,8 @@ struct SizedVisible {
     std::vector<std::uint8_t> seen;
     /// Only for `partial`: the visible share of the irradiance, if the light has one radiance; negative: not computed.
     std::vector<float> share;
+    /// What is remembered, by asked point: nothing (unknown), or as StateMark says; away: the light is behind.
+    std::vector<StateMark> state;
 
     std::span<const std::uint8_t> seen_by(std::size_t asked) const
     {
@@ -49,6 +52,7 @@ struct SizedVisible {
         places.assign(asked, nullptr);
         first.assign(asked, 0);
         share.assign(asked, -1);
+        state.assign(asked, StateMark::unknown);
         seen.clear();
     }
     /// Makes a point's answer partial, with nothing visible.

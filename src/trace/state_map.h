@@ -3,7 +3,8 @@
 // Records, per pixel and light, which cached state a frame's shadows came from: the data of --overlay shadow-states.
 //
 // A mark describes the first hit of a pixel's first sample, as the cache was when the frame read it: for certified
-// culling the state of its part, for the culling of [Nah 2009] the shadow mode of its triangle. A result is wrong if it
+// culling the state of its part, for the culling of [Nah 2009] the shadow mode of its triangle, for a light with size
+// that of the part (area_light/area_shadows.h). A result is wrong if it
 // differs from that of a traced ray, at this hit or behind mirrors and glass, in any sample (checked_shadows.h).
 
 #include <cstdint>
@@ -22,8 +23,9 @@ enum class StateMark : std::uint8_t {
     none,         // no static occluder: traced against dynamic objects at most
     full,         // in the shadow of a static object: no ray
     partial,      // some points lit, some in shadow: traced
+    penumbra,     // of lights with size: part of the light is visible past the static triangles that are remembered
 };
-inline constexpr int k_state_marks = 7;
+inline constexpr int k_state_marks = 8;
 
 /// A mark and flags, stored in one byte.
 struct StateCell {
@@ -42,7 +44,7 @@ struct StateCell {
 
 struct StateMap {
     Size size;
-    std::vector<int> lights;           // by panel
+    std::vector<int> lights;           // by panel; the scene's number of lights and more: lights with size
     std::vector<std::uint8_t> cells;   // [panel][pixel], see StateCell
     std::vector<std::uint8_t> shade;   // [pixel]: 0 grazing to 255 facing the viewer; draws the shapes
 

@@ -114,6 +114,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         counters.shadow.rays += more.rays;
         counters.shadow.rays_skipped += more.rays_skipped;
         counters.shadow.rays_dynamic_only += more.rays_dynamic_only;
+        if (more.rays_wrong) counters.shadow.rays_wrong = counters.shadow.rays_wrong.value_or(0) + *more.rays_wrong;
     }
     watch.end(FrameTimes::proofs);
     if (indirect) counters.indirect = indirect->end_frame(indirect_workers);

@@ -11,7 +11,7 @@ void DynamicTriangles::follow(const scene::SceneState& state, const ray::RayScen
     const bool anew = bounds_ != &bounds || !changes.added.empty() || !changes.removed.empty() ||
                       !changes.promoted.empty() || !changes.separated.empty() || !changes.materials_changed.empty();
     state_ = &state, rays_ = &rays, bounds_ = &bounds;
-    if (anew) kept_.clear();
+    if (anew) kept_.clear(), triangle_bytes_ = 0;
     while (kept_.size() < bounds.size()) kept_.emplace_back();
 }
 
@@ -22,7 +22,9 @@ const DynamicTriangles::Blocker& DynamicTriangles::of(std::uint32_t index) const
     if (kept.made.load(std::memory_order_acquire) != stamp) {
         const std::lock_guard lock(mutex_);
         if (kept.made.load(std::memory_order_relaxed) != stamp) {
+            triangle_bytes_ -= kept.blocker.triangles.capacity() * sizeof(StaticTriangle);
             make(index, kept.blocker);
+            triangle_bytes_ += kept.blocker.triangles.capacity() * sizeof(StaticTriangle);
             kept.made.store(stamp, std::memory_order_release);
         }
     }
@@ -59,13 +61,6 @@ void DynamicTriangles::make(std::uint32_t index, Blocker& blocker) const
         }
     }
     blocker.listed = true;
-}
-
-std::size_t DynamicTriangles::bytes() const
-{
-    std::size_t bytes = kept_.size() * sizeof(Kept);
-    for (const Kept& kept : kept_) bytes += kept.blocker.triangles.capacity() * sizeof(StaticTriangle);
-    return bytes;
 }
 
 }   // namespace gnomon::visibility

@@ -29,7 +29,7 @@ class DynamicTriangles {
     void follow(const scene::SceneState& state, const ray::RayScene& rays, const DynamicBounds& bounds);
     /// The triangles of one of the bounds' boxes (DynamicBounds::select). Thread-safe; valid until the next follow().
     const Blocker& of(std::uint32_t index) const;
-    std::size_t bytes() const;
+    std::size_t bytes() const { return kept_.size() * sizeof(Kept) + triangle_bytes_; }
 
  private:
     struct Kept {
@@ -43,6 +43,7 @@ class DynamicTriangles {
     const DynamicBounds* bounds_ = nullptr;
     mutable std::deque<Kept> kept_;
     mutable std::mutex mutex_;
+    mutable std::atomic<std::size_t> triangle_bytes_{0};
 };
 
 }   // namespace gnomon::visibility

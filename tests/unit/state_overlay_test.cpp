@@ -50,10 +50,10 @@ TEST(StateOverlay, WrongOverridesAllOtherMarks)
     EXPECT_NE(cell_color({StateMark::none, true, false, false}, 255), cell_color({StateMark::none}, 255));
 }
 
-// Three bits encode eight marks, of which seven are in use.
+// Three bits encode eight marks, and all are in use.
 TEST(StateOverlay, InvalidMarkIsAnInternalError)
 {
-    EXPECT_THROW(cell_color(StateCell::of(7), 40), InternalError);
+    static_assert(trace::k_state_marks == StateCell::k_mark + 1);
     EXPECT_THROW(frame::state_color(static_cast<StateMark>(trace::k_state_marks)), InternalError);
 }
 
@@ -64,8 +64,8 @@ TEST(StateOverlay, PanelsDoNotOverlap)
             for (const bool paper : {false, true}) {
                 const trace::StateMap map = map_of(size, lights);
                 const std::vector<std::string> titles(static_cast<std::size_t>(lights), "a title that is rather long");
-                const Image8 image = frame::paint_states(map, titles, paper);
-                const Size whole = frame::overlay_size(size, static_cast<std::size_t>(lights), paper);
+                const Image8 image = frame::paint_states(map, titles, {paper, lights == 3});
+                const Size whole = frame::overlay_size(size, static_cast<std::size_t>(lights), {paper, lights == 3});
                 EXPECT_EQ((Size{image.width, image.height}), whole);
                 EXPECT_EQ(whole.width % 2 + whole.height % 2, 0) << "videos need even sizes";
                 for (std::size_t p = 0; p < map.lights.size(); ++p) {
@@ -95,7 +95,7 @@ TEST(StateOverlay, RendererReturnsItWithTheReportedSize)
         renderer.render(scene, 1);
         const Frame image = renderer.render(scene, 2);
         EXPECT_EQ(image.size, image_size(scene, options));
-        EXPECT_EQ(image.size, frame::overlay_size({60, 40}, light ? 1 : scene.info().lights.size(), false));
+        EXPECT_EQ(image.size, frame::overlay_size({60, 40}, light ? 1 : scene.info().lights.size(), {}));
         EXPECT_EQ(image.layers.size(), 1u);
         // The colours are exactly those that were drawn.
         const std::vector<std::uint8_t> bytes = image.to_srgb8();

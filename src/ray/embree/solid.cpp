@@ -2,6 +2,7 @@
 #include "ray/embree/solid.h"
 
 #include "base/check.h"
+#include "scene/alpha_mask.h"
 
 namespace gnomon::ray {
 
@@ -42,8 +43,8 @@ void filter(const RTCFilterFunctionNArguments* args, bool may_be_front_only)
         if (front_only && material.one_sided() && faces_away(args, lane, record.mirrored))
             args->valid[lane] = 0;
         else if (material.alpha_mode == scene::AlphaMode::mask &&
-                 cut_away(*record.scene, *record.mesh, material, triangle, RTCHitN_u(args->hit, args->N, lane),
-                          RTCHitN_v(args->hit, args->N, lane)))
+                 scene::cut_away(*record.scene, *record.mesh, material, triangle, RTCHitN_u(args->hit, args->N, lane),
+                                 RTCHitN_v(args->hit, args->N, lane)))
             args->valid[lane] = 0;
     }
 }
@@ -59,22 +60,6 @@ void filter_any(const RTCFilterFunctionNArguments* args)
 }
 
 }   // namespace
-
-bool cut_away(const scene::Scene& scene, const scene::Mesh& mesh, const scene::Material& material,
-              std::uint32_t triangle, float u, float v)
-{
-    const glm::uvec3 index = mesh.triangles[triangle];
-    const float w = 1 - u - v;
-    float alpha = material.alpha;
-    if (!mesh.colors.empty())
-        alpha *= w * mesh.colors[index[0]].w + u * mesh.colors[index[1]].w + v * mesh.colors[index[2]].w;
-    const scene::TextureUse& use = material.base_color_texture;
-    if (use.used() && !mesh.texcoords[use.texcoord].empty()) {
-        const auto& t = mesh.texcoords[use.texcoord];
-        alpha *= scene.textures[use.texture].alpha(use.apply(w * t[index[0]] + u * t[index[1]] + v * t[index[2]]));
-    }
-    return alpha < material.alpha_cutoff;
-}
 
 void BakedVertices::bake(const std::vector<glm::vec3>& from_positions, const std::vector<glm::vec3>& from_normals,
                          const std::vector<glm::vec4>& from_tangents, const glm::dmat4& matrix)

@@ -21,11 +21,6 @@ struct GeometryRecord {
     bool mirrored = false;              // the winding in the geometry's space is the reverse of the mesh's
 };
 
-/// glTF's alpha mask: whether a masked surface has a hole at (1-u-v) p0 + u p1 + v p2, that is, whether the product of
-/// the alphas of texture, factor and vertex colour is below the cutoff.
-bool cut_away(const scene::Scene& scene, const scene::Mesh& mesh, const scene::Material& material,
-              std::uint32_t triangle, float u, float v);
-
 /// Vertices in the space of a tree, padded for Embree's loads.
 struct BakedVertices {
     std::vector<glm::vec3> positions, normals;

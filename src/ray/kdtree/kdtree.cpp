@@ -12,6 +12,7 @@
 #include "ray/embree/solid.h"
 #include "ray/kdtree/walk.h"
 #include "ray/triangle_test.h"
+#include "scene/alpha_mask.h"
 #include "scene/mobility.h"
 
 namespace gnomon::ray {
@@ -225,8 +226,8 @@ struct CountingKdTree::Impl {
     bool holed(const KdTriangle& t, const TriangleHit& hit) const
     {
         return t.surface == scene::SurfaceClass::masked &&
-               cut_away(*scene, scene->meshes[scene->objects[t.object].mesh], scene->materials[t.material], t.triangle,
-                        hit.u, hit.v);
+               scene::cut_away(*scene, scene->meshes[scene->objects[t.object].mesh], scene->materials[t.material],
+                               t.triangle, hit.u, hit.v);
     }
     bool blocks(const KdTriangle& t, const KdRay& ray, KdCounts& counts) const
     {

@@ -40,7 +40,7 @@ void LookupRecords::update(vk::Commands& commands, const light_views::LightViews
     for (const light_views::LightView& view : views.views()) view_records.push_back(record_of(view));
     for (std::size_t l = 0; l + 1 < views.atlas().first_tile.size(); ++l) {
         const std::uint32_t first = views.atlas().first_tile[l], end = views.atlas().first_tile[l + 1];
-        light_records.push_back({first, views.views()[first].shown ? end - first : 0});
+        light_records.push_back({first, first < end && views.views()[first].shown ? end - first : 0});
     }
     std::vector<vk::Upload> uploads;
     if (!same_bits(view_records, sent_views_))

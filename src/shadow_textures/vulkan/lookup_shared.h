@@ -22,7 +22,7 @@ struct ViewRecord {
 
 struct LightRecord {
     uint first_view;
-    uint view_count;   // 1; 2: a dense part, then everything; 6: faces. 0: the light is off
+    uint view_count;   // 1; 2: a dense part, then everything; 5: half a cube; 6: faces. 0: the light is off or has none
 };
 
 struct LookupConstants {
