@@ -82,7 +82,9 @@ void expand_lists(std::vector<std::string>& words)
                ("|" + std::string(choices) + "|").find("|" + word + "|") != std::string::npos;
     };
     const auto belongs = [&](const std::string& word, const options::Option& option) {
-        if (option.kind == options::Kind::integer || option.kind == options::Kind::number)
+        if (option.kind == options::Kind::integer_or_all && word == "all") return true;
+        if (option.kind == options::Kind::integer || option.kind == options::Kind::integer_or_all ||
+            option.kind == options::Kind::number)
             return options::parse_number(word).has_value();
         return among(option.kind == options::Kind::text ? word.substr(0, word.find(':')) : word, option.choices);
     };

@@ -60,6 +60,7 @@ bench::IndirectBenchOptions options_of(const options::OptionValues& values, cons
     options.threads = values.integer("threads");
     options.camera = scene::find_camera(*api::scene_of(scene), values.text("camera"));
     options.spp = values.integer("spp");
+    options.bounces = values.integer("bounces");
     options.judged = values.integer("judged");
     options.reference_cache = values.text("keep-references");
     options.images = values.given("report");
@@ -69,11 +70,14 @@ bench::IndirectBenchOptions options_of(const options::OptionValues& values, cons
     const bench::IndirectSettings settings{values.number("depth-threshold"), values.number("normal-threshold"),
                                            values.text("receivers") == "full", values.text("renderer") == "raster",
                                            static_cast<std::size_t>(values.integer("indirect-memory")) << 20};
+    // Methods of papers have one bounce.
+    bench::IndirectSettings cached = settings;
+    cached.bounces = options.bounces;
     if (options.images) options.methods = bench::indirect_methods_of_paper(settings);
     for (const std::string& name : methods) {
         const auto same = [&](const bench::IndirectMethodInfo& m) { return m.name == name; };
         if (std::none_of(options.methods.begin(), options.methods.end(), same))
-            options.methods.push_back(bench::find_indirect_method(name, settings));
+            options.methods.push_back(bench::find_indirect_method(name, cached));
     }
     return options;
 }

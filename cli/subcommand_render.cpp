@@ -52,7 +52,10 @@ RenderOptions render_options(const options::OptionValues& values)
                                                   static_cast<std::uint64_t>(values.integer("seed"))};
     if (values.given("indirect") && values.flag("reference"))
         throw UsageError("--reference and --indirect exclude each other");
-    for (const char* name : {"spp", "bounces", "seed"})
+    if (values.given("bounces") && !values.flag("reference") && options.indirect != Indirect::visible &&
+        values.integer("bounces") > 0)
+        throw UsageError("--bounces needs --indirect visible or --reference");
+    for (const char* name : {"spp", "seed"})
         if (values.given(name) && !values.flag("reference"))
             throw UsageError(fmt::format("--{} needs --reference", name));
     std::string extension = std::filesystem::path(values.text("out")).extension().string();
@@ -177,10 +180,12 @@ Json document_of(const CommandLine& line, const VideoResult& result, const Rende
                      {"device", device_of(device, options)},
                      {"width", result.size.width},
                      {"height", result.size.height}};
-    if (reference)
+    if (reference) {
+        const int bounces = line.values.integer("bounces");
         document["reference"] = {{"spp", line.values.integer("spp")},
-                                 {"bounces", line.values.integer("bounces")},
+                                 {"bounces", bounces == k_all_bounces ? Json("all") : Json(bounces)},
                                  {"seed", line.values.integer("seed")}};
+    }
     document["frames"] = std::move(frames);
     document["peak_memory_bytes"] = peak_memory_bytes();
     return document;

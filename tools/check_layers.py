@@ -18,7 +18,7 @@ k_scene = {"base", "scene"}
 k_rays = k_scene | {"ray"}
 k_techniques = {"shadow_culling", "area_light", "shadow_textures", "light_quadtree", "irradiance_cache"}
 k_frame = k_rays | k_techniques | {"io", "image", "vk", "gpu_scene", "lighting", "visibility", "environment_light", "shading",
-                                   "light_views", "trace", "raster", "reference"}
+                                   "patches", "light_views", "trace", "raster", "reference"}
 k_may_include = {
     "base": set(),
     "image": {"base"},
@@ -30,6 +30,7 @@ k_may_include = {
     "visibility": k_rays,
     "environment_light": k_rays | {"visibility"},
     "shading": k_rays | {"lighting"},
+    "patches": k_rays | {"lighting", "visibility", "shading"},
     "gpu_scene": k_scene | {"vk"},
     "ray/vulkan": k_rays | {"vk", "gpu_scene"},
     "light_views": k_rays | {"vk", "gpu_scene"},
@@ -38,7 +39,7 @@ k_may_include = {
     "shadow_textures": k_rays | {"vk", "gpu_scene", "light_views"},
     "light_quadtree": k_rays | {"vk", "gpu_scene", "light_views", "lighting", "visibility"},
     "irradiance_cache": k_rays | {"vk", "gpu_scene", "light_views", "lighting", "visibility",
-                                  "environment_light", "ray/vulkan"},
+                                  "environment_light", "ray/vulkan", "patches"},
     "reference": k_rays | {"lighting", "visibility", "shading"},
     "trace": k_rays | {"lighting", "visibility", "environment_light", "shading", "shadow_culling", "area_light",
                        "light_quadtree", "irradiance_cache"},

@@ -136,8 +136,11 @@ class Bench {
     Estimates reference(const World& world, std::span<const FixedPoint> points, std::uint64_t seed, int spp)
     {
         reference::ReferenceOptions options;
-        options.samples = spp, options.bounces = 1, options.seed = seed;
+        options.samples = spp, options.bounces = options_.bounces, options.seed = seed;
+        // Direct light is left out: that of emissive surfaces, too, which cached visibility starts bounces from. The
+        // sky's is part of what is measured.
         options.surroundings = scene_->background.kind == scene::Background::Kind::sky;
+        options.shining = true, options.shining_unbounced = false;
         const double step = 1.0 / static_cast<double>(4 * judged_.size() + (options_.images ? 1 : 0));
         const double from = step * references_++;
         return cache_.irradiance(world.state, world.rays, points, options, tasks_, [&](const ProgressStep& at) {

@@ -28,6 +28,7 @@ struct IndirectBenchOptions {
     int threads = 0;
     scene::CameraId camera = 0;
     int spp = 4096;            // paths per point of a reference
+    int bounces = 1;           // of its paths
     int judged = 4;            // number of frames with a reference
     int grid = 8;              // spacing of the compared points, in pixels
     int flicker_grid = 16;     // spacing of the points for flicker, in pixels; a multiple of `grid`

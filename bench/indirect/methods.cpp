@@ -63,7 +63,7 @@ class VisibleMethod final : public IndirectMethod {
  private:
     static irradiance_cache::CacheOptions options_of(const IndirectSettings& settings)
     {
-        irradiance_cache::CacheOptions options;
+        irradiance_cache::CacheOptions options = irradiance_cache::options_for_bounces(settings.bounces, true);
         options.memory = settings.memory;
         return options;
     }

@@ -59,6 +59,7 @@ struct IndirectSettings {
     bool full = false;                // rsm, quadtree: every pixel is a receiver
     bool vulkan = false;              // rsm, quadtree: run on a Vulkan device
     std::size_t memory = 16u << 20;   // visible: size of the irradiance cache, in bytes
+    int bounces = 1;                  // visible: diffuse bounces; beyond 64, all
     double radius = 0.3;              // rsm: radius of the disk in sides of the light map, unless the name states one
     double margin = 0;                // quadtree, separate, shadowed: margin of validity, unless the name states one
 };

@@ -81,6 +81,7 @@ std::vector<reference::IrradianceEstimate> ReferenceCache::irradiance(const scen
     }
     hash.add(scene.background.kind), hash.add(options.surroundings);
     hash.add(options.samples), hash.add(options.bounces), hash.add(options.seed);
+    hash.add(options.shining), hash.add(options.shining_unbounced);
     for (const reference::IrradiancePoint& p : places)
         hash.add(p.position), hash.add(p.normal), hash.add(p.geometric_normal), hash.add(p.offset), hash.add(p.key);
 

@@ -28,7 +28,8 @@ inline constexpr Range samples{1, 4096};                        // per pixel
 inline constexpr Range exposure{-100, 100};                     // stops
 inline constexpr Range shadow_filter{0, 64};                    // texels
 inline constexpr Range spp{1, 1 << 24};                         // paths per pixel
-inline constexpr Range bounces{0, 1000};                        // diffuse bounces
+inline constexpr Range bounces{1, 1000};                        // diffuse bounces
+inline constexpr Range reference_bounces{0, 1000};              // of the reference
 inline constexpr Range rsm_samples{1, 65536};                   // per receiver
 inline constexpr Range indirect_level{1, 7};                    // 1: every texel of a map of 512 x 512; 7: coarse
 inline constexpr Range validity_margin{0, 1};                   // fraction of the thresholds

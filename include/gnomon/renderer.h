@@ -15,11 +15,15 @@
 
 namespace gnomon {
 
+/// Diffuse bounces beyond which light is not followed one by one: all of them. The irradiance cache estimates what is
+/// left; the reference ends paths by chance, without a bias.
+inline constexpr int k_all_bounces = 1000;
+
 /// Path-traced indirect light: slow, unbiased, and with an estimate of its error. Direct light is computed as without
 /// it, with the same camera rays, so `samples` still controls anti-aliasing.
 struct ReferenceLightOptions {
-    int spp = 1024;    // paths per pixel
-    int bounces = 1;   // diffuse bounces; 1: direct light and one bounce
+    int spp = 1024;                // paths per pixel
+    int bounces = k_all_bounces;   // diffuse bounces; 1: direct light and one bounce
     std::uint64_t seed = 0;
 };
 
@@ -56,6 +60,7 @@ struct RenderOptions {
     /// of a receiver's texture decides alone (see FrameCounters::Shadow::looked_up_wrong), and every receiver goes
     /// through the light quad-tree by itself, one pass a level.
     bool as_printed = false;
+    int bounces = k_all_bounces;   // diffuse bounces of Indirect::visible; the other methods have one
     std::optional<ReferenceLightOptions> reference{};   // instead of `indirect`
     int rsm_samples = 256;                              // Indirect::rsm
     int indirect_level = 5;          // Indirect::quadtree: finest level of refinement, 7 (coarse) to 1

@@ -62,8 +62,9 @@ void check_options(const RenderOptions& o)
     check_range("samples are", o.samples, ranges::samples);
     if (o.reference) {
         check_range("spp is", o.reference->spp, ranges::spp);
-        check_range("bounces are", o.reference->bounces, ranges::bounces);
+        check_range("bounces are", o.reference->bounces, ranges::reference_bounces);
     }
+    check_range("bounces are", o.bounces, ranges::bounces);
     check_range("memory of indirect light is", o.indirect_memory, ranges::indirect_memory, " MB");
     check_range("RSM samples are", o.rsm_samples, ranges::rsm_samples);
     check_range("indirect level is", o.indirect_level, ranges::indirect_level);

@@ -53,7 +53,7 @@ class DiscardOnFailure {
 
 irradiance_cache::CacheOptions cache_options(const RenderOptions& options)
 {
-    irradiance_cache::CacheOptions result;
+    auto result = irradiance_cache::options_for_bounces(options.bounces, options.renderer == RenderMethod::trace);
     result.memory = static_cast<std::size_t>(options.indirect_memory) << 20;
     return result;
 }
@@ -76,7 +76,7 @@ light_quadtree::MapLightOptions map_options(const RenderOptions& options)
 // The options that a technique is made with: while they stay, so does the technique.
 auto cache_key(const RenderOptions& o)
 {
-    return o.indirect_memory;
+    return std::tuple(o.indirect_memory, o.bounces);
 }
 
 auto map_key(const RenderOptions& o)
@@ -476,7 +476,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     std::optional<ReferenceIndirect> reference;
     if (plan_.cache) {
         cache_->limit_rays(request.indirect_ray_limit);
-        techniques.indirect = &cached.emplace(*cache_);
+        techniques.indirect = &cached.emplace(*cache_, trace::CachedIndirectOptions{.bounces = options_.bounces});
     } else if (plan_.map) {
         techniques.indirect = &mapped.emplace(*map_);
     } else if (plan_.reference) {
@@ -484,7 +484,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
         // A background of one colour is seen, and lights nothing.
         const bool surroundings = scene_->background.kind != scene::Background::Kind::color;
         techniques.indirect = &reference.emplace(
-            reference::ReferenceOptions{spp, bounces, seed, surroundings, true, options_.sun_size * k_pi / 180},
+            reference::ReferenceOptions{spp, bounces, seed, surroundings, true, true, options_.sun_size * k_pi / 180},
             options_.samples);
     }
 

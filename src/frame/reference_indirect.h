@@ -19,6 +19,7 @@ class ReferenceIndirect final : public trace::IndirectLight {
     void begin_frame(const trace::FrameContext& frame) override;
     bool is_estimate() const override { return true; }
     bool reflects_lobes() const override { return true; }
+    bool has_further_bounces() const override { return options_.bounces > 1; }
     bool replaces(const scene::Light& light) const override { return !light_->uses(light); }
     std::unique_ptr<Worker> make_worker() override;
     FrameCounters::Indirect end_frame(std::span<const std::unique_ptr<Worker>> workers) override;

@@ -33,6 +33,21 @@ struct CacheOptions {
     std::size_t memory = 16u << 20;
 };
 
+/// The options for so many diffuse bounces. More than one asks for a finer first bounce, too, or its errors would be
+/// the largest: more texels of light maps, most of them for suns, and finer cuts.
+/// @param emission  bounced light of emissive surfaces starts from patches, not from points that approximate them
+inline CacheOptions options_for_bounces(int bounces, bool emission)
+{
+    CacheOptions options;
+    options.light_tree.patches.bounces = bounces;
+    options.light_tree.patches.emission = emission;
+    if (bounces == 1) return options;
+    options.light_tree.leaves = 3u << 16;
+    options.light_tree.directional = 2.0f / 3;
+    options.cut.error = 0.015f;
+    return options;
+}
+
 struct CacheCounters {
     std::uint64_t rays = 0;           // all visibility rays
     std::uint64_t rays_dynamic = 0;   // those cast for dynamic objects

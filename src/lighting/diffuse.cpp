@@ -27,4 +27,12 @@ glm::vec3 exitance_per_irradiance(const scene::Scene& scene, const ray::ObjectGe
     return diffuse * ((1 - metallic) * (1 - material.transmission));
 }
 
+glm::vec3 albedo(const scene::Scene& scene, const ray::ObjectGeometry& geometry, std::uint32_t triangle, float u,
+                 float v)
+{
+    const glm::vec3 exitance = exitance_per_irradiance(scene, geometry, triangle, u, v);
+    const scene::Material& material = scene.materials[geometry.mesh->part_of(triangle).material];
+    return material.model == scene::ShadingModel::whitted ? exitance * static_cast<float>(1 / k_pi) : exitance;
+}
+
 }   // namespace gnomon::lighting

@@ -11,4 +11,9 @@ namespace gnomon::lighting {
 glm::vec3 exitance_per_irradiance(const scene::Scene& scene, const ray::ObjectGeometry& geometry,
                                   std::uint32_t triangle, float u, float v);
 
+/// Ratio of radiant exitance to irradiance in radiometric units: what a surface reflects of light that has bounced
+/// before, of lights with size and of the sky. The albedo for every material.
+glm::vec3 albedo(const scene::Scene& scene, const ray::ObjectGeometry& geometry, std::uint32_t triangle, float u,
+                 float v);
+
 }   // namespace gnomon::lighting

@@ -234,9 +234,12 @@ constexpr Option k_options[] = {
              "with --report, every method of the paper)"},
     {.name = "indirect", .argument = "HOW", .kind = Kind::choice, .fallback = "visible", .choices = k_choices<Indirect>,
      .subcommands = k_images, .group = k_indirect,
-     .help = "method for one-bounce indirect light. visible: irradiance cache, with shadows and without noise; quadtree: "
-             "clusters of lit surfaces, as published in 2007; rsm: samples of a reflective shadow map; the latter two "
-             "without shadows"},
+     .help = "method for indirect light. visible: irradiance cache, all bounces, with shadows and without noise; "
+             "quadtree: clusters of lit surfaces, as published in 2007; rsm: samples of a reflective shadow map; the "
+             "latter two have one bounce without shadows"},
+    {.name = "bounces", .argument = "N|all", .kind = Kind::integer_or_all, .fallback = "all",
+     .range = ranges::reference_bounces, .subcommands = k_images, .group = k_indirect,
+     .help = "diffuse bounces of method visible, and of the reference, where 0 is direct light alone"},
     {.name = "indirect-memory", .argument = "MB", .kind = Kind::integer, .fallback = "16", .range = ranges::indirect_memory,
      .subcommands = k_images | bit(bench_indirect), .group = k_indirect,
      .help = "visible: size of the irradiance cache, at least twice the points of a frame; points unseen for longest are "
@@ -280,7 +283,8 @@ constexpr Option k_options[] = {
     {.name = "keep-references", .argument = "DIR", .kind = Kind::text, .subcommands = bit(bench_indirect),
      .group = k_reference, .help = "folder in which references are kept and reused"},
     {.name = "bounces", .argument = "N", .kind = Kind::integer, .fallback = "1", .range = ranges::bounces,
-     .subcommands = bit(render), .group = k_reference, .help = "diffuse bounces of the reference; 0: direct light only"},
+     .subcommands = bit(bench_indirect), .group = k_reference,
+     .help = "diffuse bounces of the reference, and of method visible; 1000: all"},
     {.name = "seed", .argument = "S", .kind = Kind::integer, .fallback = "0", .range = {0, k_many},
      .subcommands = bit(render), .group = k_reference, .help = "seed of the reference's random numbers"},
 

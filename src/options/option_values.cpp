@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "base/check.h"
+#include "gnomon/ranges.h"
 
 namespace gnomon::options {
 
@@ -53,10 +54,15 @@ std::string expectation(const Option& option, const std::string& value)
             return {};
         case Kind::text:
             return value.empty() ? fmt::format("expected {}", option.argument) : std::string();
+        case Kind::integer_or_all:
+            if (value == "all") return {};
+            [[fallthrough]];
         case Kind::integer: {
             const auto v = parse_integer(value);
             if (v && within(static_cast<double>(*v))) return {};
-            return fmt::format("expected a whole number from {} to {}", option.range.low, option.range.high);
+            return fmt::format("expected {}a whole number from {} to {}",
+                               option.kind == Kind::integer_or_all ? "all or " : "", option.range.low,
+                               option.range.high);
         }
         case Kind::number_or_auto:
             if (value == "auto") return {};
@@ -191,7 +197,9 @@ std::vector<std::string> OptionValues::all(std::string_view name) const
 
 int OptionValues::integer(std::string_view name) const
 {
-    const auto value = parse_integer(text(name));
+    const std::string word = text(name);
+    if (word == "all") return static_cast<int>(ranges::reference_bounces.high);
+    const auto value = parse_integer(word);
     GNOMON_CHECK(value.has_value());
     return static_cast<int>(*value);
 }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "options/render_options.h"
 
+#include <algorithm>
+
 #include "gnomon/error.h"
+#include "gnomon/ranges.h"
 
 namespace gnomon::options {
 
@@ -18,6 +21,9 @@ RenderOptions read_render_options(const OptionValues& values)
     options.shadow_culling = values.choice<ShadowCulling>("shadow-culling");
     options.sun_size = values.number("sun-size");
     options.indirect = values.choice<Indirect>("indirect");
+    // A reference without a bounce is direct light alone, and so is the image without indirect light.
+    options.bounces = std::max(values.integer("bounces"), static_cast<int>(ranges::bounces.low));
+    if (values.integer("bounces") == 0 && options.indirect == Indirect::visible) options.indirect = Indirect::off;
     options.indirect_memory = values.integer("indirect-memory");
     options.indirect_on = values.choice<IndirectOn>("indirect-on");
     options.rsm_samples = values.integer("rsm-samples");

@@ -60,6 +60,9 @@ class BouncedLight {
     virtual void fill(vk::Commands& commands, const GBuffer& surfaces, const scene::View& view,
                       const vk::Image& irradiance) = 0;
 
+    /// The irradiance has light of more than one bounce, so that nothing must stand in for it.
+    virtual bool has_further_bounces() const { return false; }
+
     /// After the last fill of a frame.
     virtual FrameCounters::Indirect end_frame() = 0;
 };

@@ -55,7 +55,7 @@ shared::DrawPush draw_push(const scene::View& view, const glm::vec2& sample, flo
     return push;
 }
 
-shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View& view, bool stand_in)
+shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View& view, bool stand_in, bool further)
 {
     const scene::Background& background = scene.background;
     shared::RasterFrame f{};
@@ -69,6 +69,7 @@ shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View
     f.pixel_width = view.pixel_width;
     f.background = static_cast<std::uint32_t>(background.kind);
     f.background_color = background.color;
+    if (background.kind == scene::Background::Kind::sky && !further) f.background_color = glm::vec3(0);
     f.zenith = background.zenith, f.horizon = background.horizon, f.ground = background.ground;
     f.sun_direction = background.sun_direction, f.sun_radiance = background.sun_radiance;
     f.ambient = scene.ambient;

@@ -18,6 +18,7 @@ void frustum_planes(const scene::View& view, glm::vec4 (&planes)[6]);
 shared::DrawPush draw_push(const scene::View& view, const glm::vec2& sample, float unlimited_far);
 
 /// @param stand_in  ambient light stands in for bounced light
-shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View& view, bool stand_in);
+/// @param further   a sky's own colour stands in for light of further bounces
+shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View& view, bool stand_in, bool further);
 
 }   // namespace gnomon::raster

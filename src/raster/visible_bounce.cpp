@@ -32,6 +32,7 @@ VisibleBounce::VisibleBounce(const std::shared_ptr<vk::Device>& device, const sc
     : device_(device),
       rays_(rays),
       tasks_(tasks),
+      further_bounces_(options.light_tree.patches.bounces > 1),
       light_(state, rays, options, tasks),
       scratch_(static_cast<std::size_t>(tasks.threads()))
 {

@@ -30,6 +30,7 @@ class VisibleBounce final : public BouncedLight {
     void update(vk::Commands& commands, const gpu_scene::GpuScene& scene, const scene::SceneState& state) override;
     void fill(vk::Commands& commands, const GBuffer& surfaces, const scene::View& view,
               const vk::Image& irradiance) override;
+    bool has_further_bounces() const override { return further_bounces_; }
     FrameCounters::Indirect end_frame() override;
 
     const irradiance_cache::IrradianceCache& light() const { return light_; }
@@ -43,6 +44,7 @@ class VisibleBounce final : public BouncedLight {
     std::shared_ptr<vk::Device> device_;
     const ray::RayScene& rays_;
     Tasks& tasks_;
+    bool further_bounces_;
     irradiance_cache::IrradianceCache light_;
     irradiance_cache::GpuPoints* on_device_ = nullptr;   // the cache's engine; null: the CPU computes cuts and sums
     std::vector<std::unique_ptr<irradiance_cache::IrradianceCache::Batch>> batches_;   // by thread

@@ -49,7 +49,8 @@ struct ReferenceOptions {
     std::uint64_t seed = 0;
     bool surroundings = false;   // also light from the background (see above)
     bool shining = false;
-    double sun_diameter = 0;   // angular, of directional lights, in radians; 0: points
+    bool shining_unbounced = true;   // with `shining`: emission also reaches the points themselves
+    double sun_diameter = 0;         // angular, of directional lights, in radians; 0: points
 };
 
 /// A point whose irradiance is computed.

@@ -240,7 +240,7 @@ void ReferencePaths::ask_emitters(int bounce)
         if (hits_.object[r] != point.object || hits_.triangle[r] != point.triangle) continue;
         const shading::SurfacePoint s = surface_of(r);
         const glm::vec3 emission = EmitterSampler::emission(s, material_of(r));
-        if (emission == glm::vec3(0)) continue;
+        if (emission == glm::vec3(0) || (bounce == 0 && !light_.options_.shining_unbounced)) continue;
         const glm::vec3 direction = rays_.direction(r);
         Path& path = paths_[ray_path_[r]];
         const float density = solid_density(point.density, hits_.t[r], direction, s);
@@ -308,7 +308,7 @@ bool ReferencePaths::trace_on(int bounce)
             const float own = own_density(path, path.direction);
             const float other = solid_density(light_.emitters_->density(hits_.object[r], hits_.triangle[r]), hits_.t[r],
                                               path.direction, s);
-            if (emission != glm::vec3(0))
+            if (emission != glm::vec3(0) && (bounce > 0 || light_.options_.shining_unbounced))
                 gain(path, bounce,
                      path.weight * k_float_pi * (own / std::max(own + other, std::numeric_limits<float>::min())) *
                          emission);

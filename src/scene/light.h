@@ -63,7 +63,7 @@ LightSample illuminate(const Light& light, const LightState& state, const glm::v
 struct Background {
     enum class Kind : std::uint8_t { color, sky, image };
     Kind kind = Kind::color;
-    glm::vec3 color{0};   // of a sky: uniform ambient light for higher bounces, which are not traced
+    glm::vec3 color{0};   // of a sky: uniform ambient light for further bounces, where they are not computed
     // sky: a smooth gradient over elevation (up = +Y), with the sun's disc where a directional light comes from
     glm::vec3 zenith{0.18f, 0.32f, 0.62f};
     glm::vec3 horizon{0.62f, 0.70f, 0.80f};

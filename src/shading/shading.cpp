@@ -96,7 +96,7 @@ glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light,
     return reflectance * irradiance * (cosine * soft * s.coverage);
 }
 
-glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool stand_in)
+glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool stand_in, bool further)
 {
     // A backdrop, such as an image behind windows, has an ambient colour and no other, so it is visible without light.
     const bool backdrop = s.model == scene::ShadingModel::whitted && s.diffuse == glm::vec3(0) &&
@@ -105,8 +105,9 @@ glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool s
     const glm::vec3& albedo = s.model == scene::ShadingModel::whitted ? s.diffuse : s.ambient;
     if (stand_in && scene.background.kind == scene::Background::Kind::sky)
         result += albedo * scene.background.ambient(s.normal);
-    // A sky's own colour approximates the light of further bounces, which are not traced.
-    if (!stand_in && scene.background.kind == scene::Background::Kind::sky) result += albedo * scene.background.color;
+    // A sky's own colour approximates the light of further bounces where they are not computed.
+    if (!stand_in && further && scene.background.kind == scene::Background::Kind::sky)
+        result += albedo * scene.background.color;
     return result * s.coverage;
 }
 

@@ -26,7 +26,8 @@ glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light,
 /// `am`).
 /// @param stand_in  false where both are computed; then only AFF surfaces that reflect no other light have an ambient
 ///                  term
-glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool stand_in);
+/// @param further  a sky's own colour stands in for light of further bounces
+glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool stand_in, bool further = true);
 
 /// The rays that continue from a surface, each with the weight of its radiance. A weight of zero: no such ray.
 struct Continuation {

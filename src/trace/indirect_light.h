@@ -34,6 +34,8 @@ class IndirectLight {
     /// Results have what the lobes of glossy points reflect of emissive surfaces and of the background: rays reflected
     /// there show the other light alone.
     virtual bool reflects_lobes() const { return false; }
+    /// Results have light of more than one bounce, so that nothing must stand in for it.
+    virtual bool has_further_bounces() const { return false; }
     /// The surroundings in the results replace this light: its direct light must not be added.
     virtual bool replaces(const scene::Light&) const { return false; }
 

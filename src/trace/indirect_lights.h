@@ -12,9 +12,10 @@ struct CachedIndirectOptions {
     // The spacing of cache points seen in mirrors and behind glass is multiplied by this, and divided by the square
     // root of the path's throughput.
     float mirrored_spacing = 4;
+    int bounces = 1;   // of the cache
 };
 
-/// One bounce with visibility.
+/// Bounces with visibility.
 class CachedIndirect final : public IndirectLight {
  public:
     using Options = CachedIndirectOptions;
@@ -23,6 +24,7 @@ class CachedIndirect final : public IndirectLight {
     {
     }
     void begin_frame(const FrameContext& frame) override { cache_.update(frame.state, frame.rays, frame.tasks); }
+    bool has_further_bounces() const override { return options_.bounces > 1; }
     std::unique_ptr<Worker> make_worker() override;
     FrameCounters::Indirect end_frame(std::span<const std::unique_ptr<Worker>> workers) override;
 

@@ -185,7 +185,8 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         glm::vec3 own(0);
         const bool unlit = s.model == scene::ShadingModel::unlit;
         if (!path.sees_no_light || unlit) own += s.emissive * (s.coverage * (unlit ? 1.0f : path.emission));
-        own += shading::ambient_light(s, scene_, !indirect_light_);
+        own += shading::ambient_light(s, scene_, !indirect_light_,
+                                      !(indirect_light_ && indirect_light_->has_further_bounces()));
         if (!sees_image_ && point.next.unresolved_weight != glm::vec3(0))
             own += point.next.unresolved_weight * scene_.background.ambient(point.next.reflected);
         color_[path.pixel] += path.throughput * own;

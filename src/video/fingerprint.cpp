@@ -208,7 +208,7 @@ std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options)
     // Certified culling gives the same pixels as none; the published method's depend on its history, too.
     print.add(options.shadow_culling == ShadowCulling::paper);
     print.add(options.sun_size);
-    print.add(options.indirect), print.add(options.indirect_on);
+    print.add(options.indirect), print.add(options.indirect_on), print.add(options.bounces);
     print.add(options.renderer), print.add(options.shadow_textures), print.add(options.shadow_filter);
     print.add(options.as_printed), print.add(options.validity_margin), print.add(options.cluster_shadows);
     print.add(options.separate_trees);

@@ -23,7 +23,7 @@ TEST(ReferenceImage, ReportsMethodAndNoise)
         const Outcome outcome = run(reference(folder / "p.exr", {"--reference", "--spp", i == 0 ? "16" : "256"}));
         ASSERT_EQ(outcome.code, 0) << outcome.err;
         const json document = outcome.json();
-        EXPECT_EQ(document["reference"], (json{{"spp", i == 0 ? 16 : 256}, {"bounces", 1}, {"seed", 0}}));
+        EXPECT_EQ(document["reference"], (json{{"spp", i == 0 ? 16 : 256}, {"bounces", "all"}, {"seed", 0}}));
         noise[i] = document["frames"][0]["indirect"]["noise"].get<double>();
         EXPECT_GT(document["frames"][0]["indirect"]["rays"].get<int>(), 32 * 24);
     }
@@ -56,8 +56,9 @@ TEST(ReferenceImage, ZeroBouncesGiveDirectLight)
         return out;
     };
     const std::string none = image("none.exr", {"--reference", "--spp", "4", "--bounces", "0"});
-    const std::string one = image("one.exr", {"--reference", "--spp", "64"});
+    const std::string one = image("one.exr", {"--reference", "--spp", "64", "--bounces", "1"});
     const std::string off = image("off.exr", {"--indirect", "off"});
+    EXPECT_EQ(bytes_of(image("visible.exr", {"--bounces", "0"})), bytes_of(off));
     const auto difference = [&](const std::string& a, const std::string& b) {
         return run({"compare", a, b, "--layer", "direct", "--json"}).json()["max_abs"].get<double>();
     };
@@ -70,9 +71,11 @@ TEST(ReferenceImage, RefusesContradictingOptions)
 {
     const ScratchFolder folder;
     expect_failure(run(reference(folder / "p.png", {"--reference", "--indirect", "visible"})), 2, "--indirect");
-    for (const char* option : {"--spp", "--bounces", "--seed"})
+    for (const char* option : {"--spp", "--seed"})
         expect_failure(run(reference(folder / "p.png", {option, "3"})), 2, "needs --reference");
     expect_failure(run(reference(folder / "p.png", {"--reference", "--spp", "0"})), 2, "spp");
+    expect_failure(run(reference(folder / "p.png", {"--indirect", "quadtree", "--bounces", "2"})), 2, "--bounces needs");
+    expect_failure(run(reference(folder / "p.png", {"--bounces", "many"})), 2, "all or a whole number");
 }
 
 TEST(BenchIndirect, KeysOfDocument)

@@ -423,6 +423,7 @@ TEST(SizedLightFrame, ClosedBoxOfEmissiveWalls)
         RenderOptions options;
         options.size = {24, 24};
         options.indirect = indirect;
+        options.bounces = 1;
         const Frame frame = Renderer(options).render(builder.finish(), 1);
         double square = 0, sum = 0;
         const double truth = 1 + static_cast<double>(k_albedo) + (indirect == Indirect::off ? 0 : 0.25);

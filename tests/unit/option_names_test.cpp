@@ -106,6 +106,7 @@ TEST(OptionDefaults, AreTheLibrarys)
         EXPECT_EQ(read.indirect_at_every_pixel, own.indirect_at_every_pixel);
         EXPECT_EQ(read.indirect_memory, own.indirect_memory);
         EXPECT_EQ(read.indirect_on, own.indirect_on);
+        EXPECT_EQ(read.bounces, own.bounces);
         EXPECT_EQ(read.accelerator, own.accelerator);
         EXPECT_EQ(read.memory, own.memory);
         EXPECT_EQ(read.threads, own.threads);

@@ -2,9 +2,7 @@
 #include "irradiance_cache/light_tree/light_tree.h"
 
 #include <algorithm>
-#include <functional>
 #include <numeric>
-#include <unordered_map>
 
 #include "base/check.h"
 #include "base/interruption.h"
@@ -27,7 +25,6 @@ std::uint32_t morton(int x, int y)
 
 constexpr std::size_t k_most_nodes = std::size_t{1} << k_node_bits;
 constexpr int k_smallest_side = 2;               // one level
-constexpr std::uint32_t k_block = 64;            // leaves that are counted together (DynamicFootprints)
 constexpr std::uint32_t k_rays_at_once = 4096;   // between interruption points; a multiple of every packet's width
 
 // The nodes of a view's pyramid, from the level of four nodes down.
@@ -45,6 +42,8 @@ std::vector<scene::LightId> bouncing_lights(const scene::Scene& scene, const lig
     };
     std::vector<scene::LightId> lights(scene.lights.size());
     std::iota(lights.begin(), lights.end(), 0u);
+    // Emissive surfaces that light patches need no lights that approximate them.
+    if (options.patches.emission) std::erase_if(lights, [&](scene::LightId l) { return scene.lights[l].of_surface; });
     std::stable_sort(lights.begin(), lights.end(), [&](scene::LightId a, scene::LightId b) {
         return luminance(scene.lights[a].color) > luminance(scene.lights[b].color);
     });
@@ -59,7 +58,12 @@ std::vector<scene::LightId> bouncing_lights(const scene::Scene& scene, const lig
 
 LightTree::LightTree(const scene::SceneState& state, const ray::RayScene& rays, const LightTreeOptions& options,
                      Tasks& tasks)
-    : options_(options), casters_(state), bounds_(state.present_bounds()), state_(&state), rays_(&rays)
+    : options_(options),
+      casters_(state),
+      bounds_(state.present_bounds()),
+      sized_(options.patches.lights.lights),
+      state_(&state),
+      rays_(&rays)
 {
     build(tasks);
 }
@@ -79,24 +83,54 @@ std::vector<LightTree::View> LightTree::wanted_views() const
     return views;
 }
 
+// Chooses the sides of the views, so that their leaves and nodes are not too many.
+void LightTree::choose_sides(std::size_t patch_nodes)
+{
+    const scene::Scene& scene = state_->scene();
+    const auto directional = [&](const View& view) {
+        return scene.lights[view.light].type == scene::LightType::directional;
+    };
+    const auto suns = static_cast<std::size_t>(std::count_if(views_.begin(), views_.end(), directional));
+    const auto fitting = [&](std::size_t views, double share) {
+        const auto leaves = static_cast<std::size_t>(share * static_cast<double>(options_.leaves));
+        int side = options_.side;
+        while (side > options_.least_side &&
+               views * static_cast<std::size_t>(side) * static_cast<std::size_t>(side) > leaves)
+            side /= 2;
+        return side;
+    };
+    const bool apart = options_.directional > 0 && suns > 0 && suns < views_.size();
+    const auto share = static_cast<double>(options_.directional);
+    int of_suns = fitting(apart ? suns : views_.size(), apart ? share : 1);
+    int others = apart ? fitting(views_.size() - suns, 1 - share) : of_suns;
+    const auto too_many = [&] {
+        return suns * nodes_of(of_suns) + (views_.size() - suns) * nodes_of(others) + patch_nodes > k_most_nodes;
+    };
+    while (std::max(of_suns, others) > k_smallest_side && too_many()) {
+        const int larger = std::max(of_suns, others);
+        of_suns = std::min(of_suns, larger / 2), others = std::min(others, larger / 2);
+    }
+    for (View& view : views_) view.side = directional(view) ? of_suns : others;
+}
+
 // Makes everything from the present state.
 void LightTree::build(Tasks& tasks)
 {
     find_dynamics();
+    make_patches(tasks);
+    const std::size_t patch_nodes = patches_ ? patches_->tree().children.size() : 0;
     views_ = wanted_views();
-    int side = options_.side;
-    while (side > options_.least_side &&
-           views_.size() * static_cast<std::size_t>(side) * static_cast<std::size_t>(side) > options_.leaves)
-        side /= 2;
-    while (side > k_smallest_side && views_.size() * nodes_of(side) > k_most_nodes) side /= 2;
+    choose_sides(patch_nodes);
     NodeId end = 0;
     for (View& view : views_) {
-        view.side = side;
+        const int side = view.side;
         while ((1 << view.levels) < side) ++view.levels;
         view.first = end;
         end = first_of_level(view, view.levels + 1);
         view.occluded.assign(static_cast<std::size_t>(side) * static_cast<std::size_t>(side), 0);
     }
+    patch_first_ = end;
+    end += static_cast<NodeId>(patch_nodes);
     quads_.assign(end / 4, {});
     GNOMON_CHECK(end <= k_most_nodes);
     samples_.places.assign(end, glm::vec4(0));
@@ -108,7 +142,12 @@ void LightTree::build(Tasks& tasks)
         for (int level = 1; level < view.levels; ++level)
             for (std::uint32_t i = 0; i < 1u << (2 * level); ++i)
                 children_[first_of_level(view, level) + i] = first_of_level(view, level + 1) / 4 + i;
+    for (NodeId n = 0; n < patch_nodes; ++n)
+        if (const std::uint32_t below = patches_->tree().children[n]; below != scene::none)
+            children_[patch_first_ + n] = patch_first_ / 4 + below;
     tasks.for_each(views_.size(), [&](std::size_t v, int) { make_view(views_[v]); });
+    light_patches(tasks);
+    light_patches_now(tasks);
     find_roots();
     mark_changes();
     gather_dynamic();
@@ -124,10 +163,13 @@ void LightTree::find_dynamics()
 void LightTree::find_roots()
 {
     roots_.clear();
-    for (const View& view : views_) {
-        const VirtualLightQuad& top = quads_[view.first / 4];
-        if (std::max({top.flux[0], top.flux[1], top.flux[2], top.flux[3]}) > 0) roots_.push_back(view.first / 4);
-    }
+    const auto add = [&](NodeId quad) {
+        const VirtualLightQuad& top = quads_[quad];
+        if (std::max({top.flux[0], top.flux[1], top.flux[2], top.flux[3]}) > 0) roots_.push_back(quad);
+    };
+    for (const View& view : views_) add(view.first / 4);
+    if (patches_)
+        for (const std::uint32_t root : patches_->tree().roots) add(patch_first_ / 4 + root);
 }
 
 // The surface that a light map's ray hits, as a virtual point light. Its area is 0 if there is none.
@@ -148,7 +190,8 @@ LightTree::Leaf LightTree::leaf_at(const View& view, const ray::RayQueue& queue,
     if (!(length > 0)) return {};
     normal /= length;
     float cosine = -glm::dot(normal, queue.direction(i));
-    if (cosine < 0) normal = -normal, cosine = -cosine;
+    const bool front = cosine >= 0;
+    if (!front) normal = -normal, cosine = -cosine;
     // The wide view of a directional light leaves out the part that the near one covers.
     if (light.type == scene::LightType::directional && view.face == 1) {
         const glm::vec4 clip = view.near_clip * glm::vec4(position, 1);
@@ -160,6 +203,7 @@ LightTree::Leaf LightTree::leaf_at(const View& view, const ray::RayQueue& queue,
     const double facing_area = view.projection.perspective ? measure * t * t : measure;
     Leaf leaf;
     leaf.object = hits.object[i];
+    leaf.front = front;
     leaf.position = position;
     leaf.normal = normal;
     leaf.area = static_cast<float>(facing_area) / std::max(cosine, options_.least_cosine);
@@ -186,6 +230,7 @@ void LightTree::make_view(View& view)
         view.dirty.push_back(id);
     }
     std::fill(view.occluded.begin(), view.occluded.end(), 0);
+    view.patch.assign(patches_ && patches_->bounces() ? count : 0, patches::PatchLinks::k_none);
     view.on = at.visible && light.color != glm::vec3(0) && !light.of_environment;
     view.dynamic_objects.clear(count), view.stray = 0;
     if (!view.on) return;
@@ -220,14 +265,13 @@ void LightTree::make_view(View& view)
         const Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
         if (!(leaf.area > 0)) continue;
         Node& node = node_of(leaves + i);
-        node.position = leaf.position;
-        node.normal = leaf.normal;
-        node.sample = leaf.sample;
+        node.position = leaf.position, node.normal = leaf.normal, node.sample = leaf.sample;
         node.area = leaf.area;
         node.radius = std::sqrt(leaf.area * static_cast<float>(1 / k_pi));
         node.flux = luminance(leaf.flux);
         static_flux_.set(leaves + i, leaf.flux), flux_.set(leaves + i, leaf.flux);
         view.stray = std::max(view.stray, stray_of(view, leaf.sample, i));
+        if (!view.patch.empty()) note_patch(view, i, leaf, hits);
     }
 
     // Pull up: means weighted by flux, over the four children in a fixed order.
@@ -284,7 +328,7 @@ void LightTree::DynamicFootprints::clear(std::size_t leaves)
 {
     rects.clear();
     covers.assign(leaves, 0);
-    in_block.assign((leaves + k_block - 1) / k_block, 0);
+    in_block.assign((leaves + k_leaves_of_block - 1) / k_leaves_of_block, 0);
     area = 0;
 }
 
@@ -294,7 +338,7 @@ void LightTree::DynamicFootprints::count(const light_views::Rect& rect, bool add
     for (int y = rect.y0; y < rect.y1; ++y)
         for (int x = rect.x0; x < rect.x1; ++x) {
             const std::uint32_t i = morton(x, y);
-            covers[i] += by, in_block[i / k_block] += by;
+            covers[i] += by, in_block[i / k_leaves_of_block] += by;
         }
     const auto of_rect = static_cast<std::size_t>(rect.area());
     area = add ? area + of_rect : area - of_rect;
@@ -409,97 +453,9 @@ void LightTree::mark_changes()
         }
         view.dirty.clear();
     }
-}
-
-// Finds the lit surfaces of dynamic objects, in every frame in which one moves, and sums them by owner and by the
-// octant that they face.
-void LightTree::gather_dynamic()
-{
-    dynamic_.clear();
-    struct Lit {
-        glm::vec3 position, sample;
-        std::size_t of;
-    };
-    std::vector<Lit> lit;
-    std::unordered_map<std::uint64_t, std::size_t> found;
-    ray::RayQueue queue;
-    queue.purpose = ray::RayClass::indirect;
-    ray::Hits hits;
-    std::vector<double> measure;
-    std::vector<std::uint32_t> texels;
-    for (const View& view : views_) {
-        // Select the texels of dynamic objects, in tree order; of large objects only every few.
-        if (!view.on || view.dynamic_objects.rects.empty()) continue;
-        const std::vector<std::uint32_t>& covers = view.dynamic_objects.covers;
-        int step = 1;
-        while (view.dynamic_objects.area / (static_cast<std::size_t>(step) * static_cast<std::size_t>(step)) >
-               options_.dynamic_rays)
-            step *= 2;
-        texels.clear();
-        const std::size_t cell = static_cast<std::size_t>(step) * static_cast<std::size_t>(step);
-        for (std::size_t i = 0; i < covers.size(); i += cell) {
-            if (i % k_block == 0 && view.dynamic_objects.in_block[i / k_block] == 0 && cell < k_block) {
-                i += k_block - cell;
-                continue;
-            }
-            const auto begin = covers.begin() + static_cast<std::ptrdiff_t>(i);
-            const auto end = covers.begin() + static_cast<std::ptrdiff_t>(std::min(i + cell, covers.size()));
-            if (std::any_of(begin, end, [](std::uint32_t count) { return count > 0; }))
-                texels.push_back(static_cast<std::uint32_t>(i));
-        }
-        if (texels.empty()) continue;
-        // Cast a ray through each.
-        queue.clear();
-        measure.clear();
-        for (const std::uint32_t i : texels) {
-            const light_views::TexelRay r = light_views::texel_ray(view.projection, static_cast<int>(even_bits(i)),
-                                                                   static_cast<int>(even_bits(i >> 1)));
-            queue.push(r.origin, 0, r.direction, k_infinity);
-            measure.push_back(r.measure * step * step);
-        }
-        hits.resize(texels.size());
-        rays_->closest(queue, 0, texels.size(), hits, ray::Sides::both);
-        // Sum the lit surfaces by owner and octant.
-        for (std::size_t i = 0; i < texels.size(); ++i) {
-            if (hits.object[i] == scene::none || !state_->is_dynamic(hits.object[i])) continue;
-            const Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
-            if (!(leaf.area > 0)) continue;
-            const std::uint32_t octant =
-                (leaf.normal.x < 0 ? 1u : 0u) | (leaf.normal.y < 0 ? 2u : 0u) | (leaf.normal.z < 0 ? 4u : 0u);
-            const std::uint32_t owner = owner_of(leaf.object);
-            const auto [at, first] =
-                found.try_emplace((static_cast<std::uint64_t>(owner) << 3) | octant, dynamic_.size());
-            if (first) dynamic_.push_back({.owner = owner});
-            DynamicVirtualLight& light = dynamic_[at->second];
-            const float flux = luminance(leaf.flux);
-            light.flux += leaf.flux;
-            light.area += leaf.area;
-            light.position += flux * leaf.position;
-            light.normal += flux * leaf.normal;
-            lit.push_back({leaf.position, leaf.sample, at->second});
-        }
-    }
-    // Divide the sums, and take the surface nearest to the mean position as the sample.
-    std::vector<float> nearest(dynamic_.size(), k_infinity);
-    for (DynamicVirtualLight& light : dynamic_) {
-        const float flux = luminance(light.flux), length = glm::length(light.normal);
-        if (flux > 0) light.position /= flux;
-        if (length > 0) light.normal /= length;
-    }
-    for (const Lit& leaf : lit) {
-        const float distance = glm::length(leaf.position - dynamic_[leaf.of].position);
-        if (distance < nearest[leaf.of]) nearest[leaf.of] = distance, dynamic_[leaf.of].sample = leaf.sample;
-    }
-    // Keep the brightest, in the order in which they were found.
-    if (dynamic_.size() > options_.dynamic_lights) {
-        std::vector<float> flux;
-        for (const DynamicVirtualLight& light : dynamic_) flux.push_back(luminance(light.flux));
-        std::nth_element(flux.begin(), flux.begin() + static_cast<std::ptrdiff_t>(options_.dynamic_lights), flux.end(),
-                         std::greater<>());
-        const float least = flux[options_.dynamic_lights];
-        std::erase_if(dynamic_, [&](const DynamicVirtualLight& light) { return !(luminance(light.flux) > least); });
-    }
-    std::erase_if(dynamic_, [](const DynamicVirtualLight& light) { return light.flux == glm::vec3(0); });
+    if (patches_changed_)
+        for (NodeId id = patch_first_; id < size(); ++id) changed_.push_back(id);
+    patches_changed_ = false;
 }
 
 std::uint32_t LightTree::owner_of(scene::ObjectId object) const
@@ -517,20 +473,23 @@ void LightTree::update(const scene::SceneState& state, const ray::RayScene& rays
     changed_.clear();
     dirty_leaves_ = dirty_nodes_ = 0;
     const scene::FrameChanges& changes = state.changes();
-    if (follow_lights_and_bounds(tasks)) return;
+    bool relit = false;   // patches, without dynamic objects
+    if (!follow_patches(tasks, relit) || follow_lights_and_bounds(tasks)) return;
     const bool promoted = !changes.promoted.empty(), all = promoted || !changes.materials_changed.empty();
-    geometry_changed_ = all || !changes.lights_moved.empty() || !changes.lights_relit.empty();
+    geometry_changed_ = all || relit || !changes.lights_moved.empty() || !changes.lights_relit.empty();
     if (promoted || !changes.added.empty() || !changes.removed.empty()) find_dynamics();
     if (geometry_changed_) {
         tasks.for_each(views_.size(), [&](std::size_t v, int) {
             if (all || changes.light_changed(views_[v].light)) make_view(views_[v]);
         });
+        light_patches(tasks);
         find_roots();
         ++geometry_version_, ++flux_version_;
     }
     const bool unchanged = changes.changed.empty();
     if (unchanged && !geometry_changed_) return;
     if (!unchanged && !all) follow_dynamic(changes);
+    light_patches_now(tasks);
     mark_changes();
     gather_dynamic();
 }
@@ -551,10 +510,15 @@ bool LightTree::follow_lights_and_bounds(Tasks& tasks)
                        [](const View& a, const View& b) { return a.light == b.light && a.face == b.face; });
         if (same) return false;
     }
+    rebuild(tasks);
+    return true;
+}
+
+void LightTree::rebuild(Tasks& tasks)
+{
     build(tasks);
     geometry_changed_ = true;
     ++geometry_version_, ++flux_version_;
-    return true;
 }
 
 void LightTree::follow_dynamic(const scene::FrameChanges& changes)
@@ -593,7 +557,12 @@ float LightTree::leaf_spacing() const
 
 std::size_t LightTree::bytes() const
 {
-    return quads_.size() * sizeof(VirtualLightQuad) + children_.size() * (10 * sizeof(float) + sizeof(NodeId));
+    std::size_t bytes = quads_.size() * sizeof(VirtualLightQuad) +
+                        children_.size() * (10 * sizeof(float) + sizeof(NodeId)) +
+                        patch_difference_.r.size() * 3 * sizeof(float);
+    for (const View& view : views_) bytes += view.patch.size() * sizeof(std::uint16_t);
+    if (patches_) bytes += patches_->bytes();
+    return bytes;
 }
 
 }   // namespace gnomon::irradiance_cache

@@ -7,6 +7,9 @@
 // changes the current flux of the leaf and of the nodes above it, and nothing else, so it pays to remember which nodes
 // a surface point sees past static geometry.
 //
+// Light without a light map, from emissive surfaces and from beyond the scene, and light that has bounced more than
+// once, start from patches of the static scene (patch_light.h), which are leaves of roots of their own.
+//
 // Cost: construction casts one ray per leaf. A frame casts rays against dynamic objects from the leaves in the
 // footprints of those that changed, and updates the nodes above changed leaves (`dirty_leaves`, `dirty_nodes`). If
 // anything changed, it also casts at most LightTreeOptions::dynamic_rays per view to find lit dynamic objects.
@@ -18,6 +21,7 @@
 #include <vector>
 
 #include "base/tasks.h"
+#include "irradiance_cache/light_tree/patch_light.h"
 #include "light_views/casters.h"
 #include "ray/origin.h"
 #include "ray/ray_scene.h"
@@ -27,12 +31,16 @@ namespace gnomon::irradiance_cache {
 struct LightTreeOptions {
     int side = 256;                  // texels of a view, at most; a power of two
     std::size_t leaves = 1u << 17;   // of all views together, at most; views get smaller sides by halves
-    int least_side = 16;             // smaller only if there were more nodes than k_node_bits can number
-    std::size_t views = 6144;        // at most; six for a point light; the weakest lights are left out
-    float least_cosine = 0.05f;      // bounds the area of surfaces at grazing angles
+    // Fraction of the leaves for the views of directional lights where there are other lights, too. A sun lights far
+    // more surface than a light in a room. 0: all views are alike.
+    float directional = 0;
+    int least_side = 16;          // smaller only if there were more nodes than k_node_bits can number
+    std::size_t views = 6144;     // at most; six for a point light; the weakest lights are left out
+    float least_cosine = 0.05f;   // bounds the area of surfaces at grazing angles
     float ray_end = ray::k_shadow_ray_end;
     std::size_t dynamic_rays = 4096;   // per view, to find lit dynamic objects
     std::size_t dynamic_lights = 64;   // at most; the darkest are left out
+    PatchLightOptions patches;
 };
 
 using NodeId = std::uint32_t;
@@ -84,6 +92,12 @@ class LightTree {
     const Flux& flux() const { return flux_; }
     /// Without dynamic objects.
     const Flux& static_flux() const { return static_flux_; }
+    /// Nodes from this one on are those over patches. Their flux differs from their static flux in every frame in which
+    /// a dynamic object occludes any light, by the value at id - first_patch() + 1 of patch_difference().
+    NodeId first_patch() const { return patch_first_; }
+    const Flux& patch_difference() const { return patch_difference_; }
+    bool any_patch_differs() const { return patches_ && patches_->differs(); }
+    /// For the other nodes.
     bool differs(NodeId id) const { return samples_.places[id].w != 0; }
     bool any_differs() const { return differing_ > 0; }
     /// Nodes whose flux or differs() the last update may have changed; some twice.
@@ -98,6 +112,10 @@ class LightTree {
         glm::vec3 at(NodeId id) const { return glm::vec3(places[id]); }
     };
     const Samples& samples() const { return samples_; }
+    /// Where rays to samples end, as a fraction of the way. A sample lies above its surface, so that a ray may go all
+    /// the way, and must if nothing is to be seen through a sheet that the sample lies on. Without patches a ray ends
+    /// before.
+    float ray_end() const { return patches_ ? 1 : options_.ray_end; }
     /// Top quads of the views that have any flux.
     const std::vector<NodeId>& roots() const { return roots_; }
     /// Counts the updates that rebuilt nodes, after which lists of visible nodes are void.
@@ -116,6 +134,7 @@ class LightTree {
     std::size_t bytes() const;
 
  private:
+    static constexpr std::uint32_t k_leaves_of_block = 64;   // leaves that are counted together
     // The footprints of dynamic objects in a view. Cost of a change: its area.
     struct DynamicFootprints {
         std::unordered_map<scene::ObjectId, light_views::Rect> rects;   // not empty
@@ -138,6 +157,7 @@ class LightTree {
         glm::mat4 near_clip{1};   // of the same light's first view
         int stray = 0;            // texels by which leaves' samples lie beyond the margins of footprints
         DynamicFootprints dynamic_objects;
+        std::vector<std::uint16_t> patch;   // by leaf, in tree order: the patch that it lies on; empty without bounces
         std::vector<std::uint8_t> occluded;   // by leaf, in tree order
         std::vector<NodeId> dirty;            // flux changed in this frame
     };
@@ -145,11 +165,15 @@ class LightTree {
         scene::ObjectId object = scene::none;
         glm::vec3 position{0}, normal{0}, sample{0}, flux{0};
         float area = 0;
+        bool front = true;   // the lit side, by the world winding
     };
     void build(Tasks& tasks);
     std::vector<View> wanted_views() const;
+    void choose_sides(std::size_t patch_nodes);
     bool follow_lights_and_bounds(Tasks& tasks);
+    void rebuild(Tasks& tasks);
     void make_view(View& view);
+    void note_patch(View& view, std::uint32_t leaf_number, const Leaf& leaf, const ray::Hits& hits) const;
     Leaf leaf_at(const View& view, const ray::RayQueue& queue, const ray::Hits& hits, std::size_t i,
                  double measure) const;
     void follow_dynamic(const scene::FrameChanges& changes);
@@ -160,6 +184,12 @@ class LightTree {
     void gather_dynamic();
     void find_dynamics();
     void find_roots();
+    void make_patches(Tasks& tasks);
+    bool follow_patches(Tasks& tasks, bool& relit);
+
+    std::vector<glm::vec3> lit_patches(bool occluded_only) const;
+    void light_patches(Tasks& tasks);
+    void light_patches_now(Tasks& tasks);
     void sum_children(Flux& flux, NodeId id) const;
     static NodeId first_of_level(const View& view, int level)
     {
@@ -170,6 +200,11 @@ class LightTree {
     light_views::Casters casters_;
     light_views::SceneBounds bounds_;
     std::vector<View> views_;
+    scene::SizedLights sized_;              // that light the patches
+    std::unique_ptr<PatchLight> patches_;   // null: they would have no light
+    NodeId patch_first_ = 0;                // all nodes, without patches
+    Flux patch_difference_;
+    bool patches_changed_ = false;   // in this frame
     std::vector<VirtualLightQuad> quads_;
     Samples samples_;
     Flux flux_, static_flux_;

@@ -266,8 +266,9 @@ HWY_INLINE const float* places_of(const LightTree& tree)
 // A weight is stored as the leading bits of a float between 2^-64 and 2^64.
 constexpr std::uint32_t k_weight_shift = 30 - k_weight_bits, k_weight_bias = (127u - 64) << 23;
 
-void sum_seen_of(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
-                 glm::vec3 (&light)[3])
+// @param before  the flux of node n is at n - before; that of nodes below it at 0
+void sum_seen_of(const LightTree& tree, const LightTree::Flux& flux, NodeId before, const SeenNode* seen,
+                 std::uint32_t count, const glm::vec3& origin, glm::vec3 (&light)[3])
 {
     const hn::CappedTag<float, k_seen_step> d;
     const hn::RebindToSigned<decltype(d)> di;
@@ -275,7 +276,7 @@ void sum_seen_of(const LightTree& tree, const SeenNode* seen, std::uint32_t coun
     const auto ox = hn::Set(d, origin.x), oy = hn::Set(d, origin.y), oz = hn::Set(d, origin.z);
     const auto zero = hn::Zero(d), tiny = hn::Set(d, k_tiny);
     const float* const places = places_of(tree);
-    const LightTree::Flux& flux = tree.static_flux();
+    const auto shift = hn::Set(di, static_cast<std::int32_t>(before));
     auto rx = zero, ry = zero, rz = zero, gx = zero, gy = zero, gz = zero, bx = zero, by = zero, bz = zero;
     for (std::uint32_t k = 0; k < count; k += static_cast<std::uint32_t>(hn::Lanes(d))) {
         const auto packed = hn::LoadU(du, seen + k);
@@ -289,9 +290,10 @@ void sum_seen_of(const LightTree& tree, const SeenNode* seen, std::uint32_t coun
         const auto z = hn::Sub(hn::GatherIndex(d, places + 2, at), oz);
         const auto square = hn::Max(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)), tiny);
         weight = hn::Div(weight, hn::Sqrt(square));
-        const auto r = hn::Mul(hn::GatherIndex(d, flux.r.data(), id), weight);
-        const auto g = hn::Mul(hn::GatherIndex(d, flux.g.data(), id), weight);
-        const auto b = hn::Mul(hn::GatherIndex(d, flux.b.data(), id), weight);
+        const auto own = hn::Max(hn::Sub(id, shift), hn::Zero(di));
+        const auto r = hn::Mul(hn::GatherIndex(d, flux.r.data(), own), weight);
+        const auto g = hn::Mul(hn::GatherIndex(d, flux.g.data(), own), weight);
+        const auto b = hn::Mul(hn::GatherIndex(d, flux.b.data(), own), weight);
         rx = hn::Add(rx, hn::Mul(r, x)), ry = hn::Add(ry, hn::Mul(r, y)), rz = hn::Add(rz, hn::Mul(r, z));
         gx = hn::Add(gx, hn::Mul(g, x)), gy = hn::Add(gy, hn::Mul(g, y)), gz = hn::Add(gz, hn::Mul(g, z));
         bx = hn::Add(bx, hn::Mul(b, x)), by = hn::Add(by, hn::Mul(b, y)), bz = hn::Add(bz, hn::Mul(b, z));
@@ -393,7 +395,14 @@ float seen_weight(SeenNode seen)
 void sum_seen(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
               glm::vec3 (&light)[3])
 {
-    HWY_DYNAMIC_DISPATCH(sum_seen_of)(tree, seen, count, origin, light);
+    HWY_DYNAMIC_DISPATCH(sum_seen_of)(tree, tree.static_flux(), 0, seen, count, origin, light);
+}
+
+void sum_seen_difference(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+                         glm::vec3 (&light)[3])
+{
+    const NodeId before = tree.first_patch() - 1;   // may wrap: to -1
+    HWY_DYNAMIC_DISPATCH(sum_seen_of)(tree, tree.patch_difference(), before, seen, count, origin, light);
 }
 
 void find_changed(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,

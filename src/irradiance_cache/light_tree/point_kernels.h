@@ -50,6 +50,9 @@ inline constexpr std::uint32_t k_seen_step = 16;
 /// Sums static flux times weight times direction over visible nodes, by colour.
 void sum_seen(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
               glm::vec3 (&light)[3]);
+/// The same with LightTree::patch_difference(); nodes of light maps count as 0.
+void sum_seen_difference(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,
+                         glm::vec3 (&light)[3]);
 
 /// A visible node that may bring other light than without dynamic objects: its flux differs from its static flux, or
 /// its path to the point crosses a bounding sphere.

@@ -33,6 +33,8 @@ class NearField {
     std::size_t bytes() const { return hints_ ? hints_->bytes() : 0; }
 
  private:
+    bool surface_lights() const { return !options_.light_tree.patches.emission; }
+
     const CacheOptions& options_;
     NearLight light_;
     std::unique_ptr<NearHints> hints_;

@@ -78,7 +78,7 @@ void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays
             for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
                 const scene::Light& light = scene.lights[l];
                 const scene::LightState& at = state.light(l);
-                if (!at.visible || light.of_environment) continue;
+                if (!at.visible || light.of_environment || (light.of_surface && !options_.surface_lights)) continue;
                 const scene::LightSample sample = scene::illuminate(light, at, position);
                 const float cosine = glm::dot(normal, sample.to_light);
                 if (!(cosine > 0) || sample.irradiance == glm::vec3(0)) continue;

@@ -27,6 +27,7 @@ inline float far_fraction(float distance, float radius)
 struct NearOptions {
     float radius = 0;   // scene units; 0: no near field
     int rays = 64;
+    bool surface_lights = true;   // lights that approximate emissive surfaces take part (Light::of_surface)
 };
 
 /// Unit vectors around +z with a cosine distribution: a Fibonacci lattice on the unit disk, projected up.

@@ -40,7 +40,8 @@ struct CachePoint {
     std::uint32_t dynamic_version = 0;   // CacheFrame::dynamic_version that `light` belongs to
     // Light-tree nodes that are visible past static geometry, padded to k_seen_step. A PointDevice keeps them itself.
     std::uint32_t count = 0;
-    std::uint32_t kept = 0;   // the device's name for them, if count > 0
+    std::uint32_t kept = 0;      // the device's name for them, if count > 0
+    std::uint32_t patches = 0;   // nodes over patches begin at this place, or up to k_seen_step before it
     std::unique_ptr<SeenNode[]> seen;
     SkyMask sky;   // directions of the sky that are visible past static geometry
     // The last frame in which a thread claimed the point, and the last one in which it was ready, or abandoned.

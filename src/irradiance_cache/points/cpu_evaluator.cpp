@@ -39,7 +39,11 @@ void CpuEvaluator::find_visible_nodes(const CacheFrame& frame, std::span<CachePo
         visibility.trace_nodes(tester, scratch.counters, [&](CachePoint& point, std::span<const SeenNode> seen) {
             const std::size_t padded = (seen.size() + k_seen_step - 1) / k_seen_step * k_seen_step;
             auto kept = std::make_unique<SeenNode[]>(padded);
-            std::copy(seen.begin(), seen.end(), kept.get());
+            // Nodes over patches come last.
+            const auto over_patch = [&](SeenNode node) { return seen_node(node) >= tree.first_patch(); };
+            SeenNode* const patches = std::remove_copy_if(seen.begin(), seen.end(), kept.get(), over_patch);
+            std::copy_if(seen.begin(), seen.end(), patches, over_patch);
+            point.patches = static_cast<std::uint32_t>(patches - kept.get()) / k_seen_step * k_seen_step;
             table_.resized(point.count, seen.size());
             point.count = static_cast<std::uint32_t>(seen.size());
             point.seen = std::move(kept);
@@ -67,11 +71,22 @@ void CpuEvaluator::sum(const CacheFrame& frame, std::span<CachePoint* const> poi
             ++scratch.counters.summed_points;
             point.dynamic_version = frame.dynamic_version;
             std::copy(point.static_light, point.static_light + 3, point.light);
+            if (frame.lights.any_patch_differs()) add_patch_difference(frame.lights, point);
             if (!frame.dynamic_bounds.empty() || frame.lights.any_differs()) correct(frame, point, scratch);
         }
         scratch.present.finish({frame.rays}, scratch.counters);
         for (CachePoint* point : scratch.points) end_corrections(*point);
     }
+}
+
+// Adds what dynamic objects change of the light of patches, which is something at most patches.
+void CpuEvaluator::add_patch_difference(const LightTree& tree, CachePoint& point)
+{
+    if (point.patches >= point.count) return;
+    const std::uint32_t padded = (point.count + k_seen_step - 1) / k_seen_step * k_seen_step;
+    glm::vec3 light[3];
+    sum_seen_difference(tree, point.seen.get() + point.patches, padded - point.patches, point.origin(), light);
+    for (int colour = 0; colour < 3; ++colour) point.light[colour] += light[colour];
 }
 
 // Corrects the static light of a point by what dynamic objects change.
@@ -85,7 +100,8 @@ void CpuEvaluator::correct(const CacheFrame& frame, CachePoint& point, Evaluatio
         const NodeId node = seen_node(seen);
         const glm::vec3 to = tree.samples().at(node) - point.origin();
         const glm::vec3 direction = to * (seen_weight(seen) / glm::length(to));
-        const glm::vec3 now = tree.flux().at(node), before = tree.static_flux().at(node);
+        const glm::vec3 now = tree.flux().at(node);
+        const glm::vec3 before = node < tree.first_patch() ? tree.static_flux().at(node) : now;
         if (!changed.crossed) {
             point.add_light(now - before, direction);
             continue;

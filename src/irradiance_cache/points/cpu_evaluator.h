@@ -19,6 +19,7 @@ class CpuEvaluator final : public PointEvaluator {
  private:
     void find_visible_nodes(const CacheFrame& frame, std::span<CachePoint* const> points, EvaluationScratch& scratch);
     void sum(const CacheFrame& frame, std::span<CachePoint* const> points, EvaluationScratch& scratch) const;
+    static void add_patch_difference(const LightTree& tree, CachePoint& point);
     void correct(const CacheFrame& frame, CachePoint& point, EvaluationScratch& scratch) const;
 
     PointTable& table_;

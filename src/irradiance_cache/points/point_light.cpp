@@ -62,9 +62,11 @@ void StaticVisibility::add(const CacheFrame& frame, CachePoint& point, std::span
         const float distance = glm::length(to);
         const float cosine = glm::dot(to, point.normal) / distance;
         if (!(glm::dot(to, point.geometric_normal) > 0) || !(cosine > 0)) continue;
-        const float fraction = near_field ? far_fraction(distance, radius) : 1;
+        // Near light is that of light maps.
+        const bool of_patch = cut[k] >= frame.lights.first_patch();
+        const float fraction = near_field && !of_patch ? far_fraction(distance, radius) : 1;
         if (!(fraction > 0)) continue;
-        rays_.push(point.origin(), 0, to, frame.options.light_tree.ray_end);
+        rays_.push(point.origin(), 0, to, frame.lights.ray_end());
         nodes_.push_back(cut[k]);
         weights_.push_back(fraction * weight[k] / std::max(cosine, k_least_cosine));
     }

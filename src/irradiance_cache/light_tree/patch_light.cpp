@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irradiance_cache/light_tree/patch_light.h"
+
+#include <algorithm>
+
+#include "base/check.h"
+
+namespace gnomon::irradiance_cache {
+
+namespace {
+
+using patches::PatchId;
+
+constexpr int k_most_sweeps = 64;
+
+int axis_of(const glm::vec3& n)
+{
+    const glm::vec3 a = glm::abs(n);
+    return a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+}
+
+// Makes the quad over some patches, and those below it.
+class TreeMaker {
+ public:
+    TreeMaker(std::span<const patches::Patch> patches, PatchTree& tree) : patches_(patches), tree_(tree) {}
+
+    std::uint32_t make(std::span<PatchId> some)
+    {
+        const auto quad = static_cast<std::uint32_t>(tree_.children.size() / 4);
+        tree_.children.resize(tree_.children.size() + 4, scene::none);
+        tree_.patch.resize(tree_.patch.size() + 4, patches::k_no_patch);
+        std::span<PatchId> half[2], quarter[4];
+        split(some, half);
+        split(half[0], {quarter, 2});
+        split(half[1], {quarter + 2, 2});
+        for (std::size_t lane = 0; lane < 4; ++lane) {
+            if (quarter[lane].size() == 1) tree_.patch[4 * quad + lane] = quarter[lane][0];
+            if (quarter[lane].size() <= 1) continue;
+            const std::uint32_t below = make(quarter[lane]);
+            tree_.children[4 * quad + lane] = below;
+        }
+        return quad;
+    }
+
+ private:
+    // Splits at the median of the longest axis.
+    void split(std::span<PatchId> some, std::span<std::span<PatchId>> halves) const
+    {
+        const std::size_t middle = (some.size() + 1) / 2;
+        if (some.size() > 1) {
+            Box3 box;
+            for (const PatchId p : some) box.add(patches_[p].position);
+            const int axis = axis_of(box.size());
+            std::nth_element(some.begin(), some.begin() + static_cast<std::ptrdiff_t>(middle), some.end(),
+                             [&](PatchId a, PatchId b) {
+                                 const float x = patches_[a].position[axis], y = patches_[b].position[axis];
+                                 return x < y || (x == y && a < b);
+                             });
+        }
+        halves[0] = some.first(middle), halves[1] = some.subspan(middle);
+    }
+
+    std::span<const patches::Patch> patches_;
+    PatchTree& tree_;
+};
+
+}   // namespace
+
+PatchTree tree_over(std::span<const patches::Patch> patches)
+{
+    std::vector<PatchId> facing[6];
+    for (PatchId p = 0; p < patches.size(); ++p) {
+        const glm::vec3& n = patches[p].normal;
+        const int axis = axis_of(n);
+        facing[2 * axis + (n[axis] < 0 ? 1 : 0)].push_back(p);
+    }
+    PatchTree tree;
+    TreeMaker maker(patches, tree);
+    for (std::vector<PatchId>& some : facing)
+        if (!some.empty()) tree.roots.push_back(maker.make(some));
+    return tree;
+}
+
+PatchLight::PatchLight(const scene::SceneState& state, const ray::RayScene& rays, const PatchLightOptions& options,
+                       Tasks& tasks)
+    : options_(options),
+      patches_(state, rays, options.patches, tasks),
+      links_(patches::link_patches(patches_, state, rays, patches::Surroundings(state.scene().background), tasks)),
+      emission_(patches_, options.lights),
+      tree_(tree_over(patches_.patches())),
+      albedo_(patches_.albedo(state.scene(), rays, tasks))
+{
+    for (const patches::Patch& patch : patches_.patches()) area_.push_back(patch.area);
+}
+
+int PatchLight::sweeps() const
+{
+    return std::min(options_.bounces - 1, k_most_sweeps);
+}
+
+bool PatchLight::follow(const scene::SceneState& state, const ray::RayScene& rays, const scene::SizedLights& lights,
+                        Tasks& tasks)
+{
+    const bool reflects = !state.changes().materials_changed.empty();
+    if (reflects) albedo_ = patches_.albedo(state.scene(), rays, tasks);
+    const bool relit = emission_.update(state, rays, lights, tasks);
+    return relit || reflects;
+}
+
+void PatchLight::light_static(std::span<const glm::vec3> lit, Tasks& tasks)
+{
+    const std::size_t count = area_.size();
+    GNOMON_CHECK(!bounces() || lit.size() == count);
+    static_flux_.assign(count, glm::vec3(0));
+    std::vector<glm::vec3> direct(count);
+    for (std::size_t p = 0; p < count; ++p) {
+        direct[p] = albedo_[p] * (emission_.static_irradiance()[p] + links_.surroundings[p]);
+        static_flux_[p] = area_[p] * direct[p];
+    }
+    if (bounces()) {
+        for (std::size_t p = 0; p < count; ++p) direct[p] += lit[p] / area_[p];
+        const patches::BounceOptions options{sweeps(), options_.stop, sweeps() == k_most_sweeps};
+        const std::vector<glm::vec3> bounced = patches::bounce(links_, surfaces(), direct, 0, options, tasks);
+        for (std::size_t p = 0; p < count; ++p) static_flux_[p] += area_[p] * bounced[p];
+        all_ = patches::total_flux(surfaces(), direct) + patches::total_flux(surfaces(), bounced);
+    }
+    flux_ = static_flux_;
+    differs_ = false;
+}
+
+void PatchLight::light_now(std::span<const glm::vec3> lost, Tasks& tasks)
+{
+    const std::size_t count = area_.size();
+    std::vector<glm::vec3> difference(count);
+    bool any = false;
+    for (std::size_t p = 0; p < count; ++p) {
+        difference[p] = albedo_[p] * (emission_.irradiance()[p] - emission_.static_irradiance()[p]);
+        any = any || difference[p] != glm::vec3(0);
+    }
+    if (!any && std::all_of(lost.begin(), lost.end(), [](const glm::vec3& v) { return v == glm::vec3(0); })) {
+        flux_ = static_flux_, differs_ = false;
+        return;
+    }
+    differs_ = true;
+    for (std::size_t p = 0; p < count; ++p) flux_[p] = static_flux_[p] + area_[p] * difference[p];
+    if (bounces()) {
+        for (std::size_t p = 0; p < count; ++p) difference[p] -= lost[p] / area_[p];
+        const patches::BounceOptions options{sweeps(), options_.stop_now, sweeps() == k_most_sweeps};
+        const std::vector<glm::vec3> bounced = patches::bounce(links_, surfaces(), difference, all_, options, tasks);
+        for (std::size_t p = 0; p < count; ++p) flux_[p] += area_[p] * bounced[p];
+    }
+    for (glm::vec3& flux : flux_) flux = glm::max(flux, glm::vec3(0));
+}
+
+std::size_t PatchLight::bytes() const
+{
+    return patches_.bytes() + links_.bytes() + emission_.bytes() + tree_.children.size() * 2 * sizeof(std::uint32_t) +
+           area_.size() * (sizeof(float) + 3 * sizeof(glm::vec3));
+}
+
+}   // namespace gnomon::irradiance_cache

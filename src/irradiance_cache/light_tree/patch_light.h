@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The light of the patches of the static scene (patches/surface_patches.h), which the light tree holds beside the lit
+// texels of light maps.
+//
+// A patch reflects what reaches it directly from emissive surfaces and from beyond the scene, which have no light maps,
+// and all light that has bounced before. What light maps see lit is the first bounce of their lights: it is gathered
+// from the maps' own leaves, and is here the light that bounces on. While a dynamic object occludes a texel or a part
+// of an emissive surface, the difference bounces on in the same way.
+//
+// Fluxes are functions of the present state, and all sums have a fixed order.
+
+#include <memory>
+
+#include "patches/patch_bounces.h"
+#include "patches/patch_emission.h"
+
+namespace gnomon::irradiance_cache {
+
+struct PatchLightOptions {
+    /// Diffuse bounces; from 65 on, all.
+    int bounces = 1;
+    /// Emissive surfaces light the patches, instead of the lights that approximate them.
+    bool emission = false;
+    patches::PatchOptions patches;
+    patches::EmissionOptions lights;
+    double stop = 1e-3;       // patches::BounceOptions::stop,
+    double stop_now = 1e-4;   // and of what dynamic objects change
+};
+
+/// A tree over the patches, four children a node. Quad q has the nodes 4 q ... 4 q + 3.
+struct PatchTree {
+    std::vector<std::uint32_t> children;   // by node: the quad of its children, after its own; scene::none
+    std::vector<patches::PatchId> patch;   // by node: of a leaf; else k_no_patch
+    std::vector<std::uint32_t> roots;      // quads
+};
+/// Patches that face the same way and lie together have a common ancestor.
+PatchTree tree_over(std::span<const patches::Patch> patches);
+
+class PatchLight {
+ public:
+    /// Makes the patches and links of the static scene.
+    PatchLight(const scene::SceneState& state, const ray::RayScene& rays, const PatchLightOptions& options,
+               Tasks& tasks);
+
+    /// Whether patches would have any light to give.
+    static bool wanted(const scene::Scene& scene, const PatchLightOptions& options, const scene::SizedLights& lights)
+    {
+        return options.bounces > 1 || !lights.empty() || patches::Surroundings(scene.background).any();
+    }
+    /// Whether light maps must say where they are lit.
+    bool bounces() const { return options_.bounces > 1; }
+    const patches::SurfacePatches& patches() const { return patches_; }
+    const PatchTree& tree() const { return tree_; }
+
+    /// Follows one advance() of the state.
+    /// @return  whether the light without dynamic objects changed
+    bool follow(const scene::SceneState& state, const ray::RayScene& rays, const scene::SizedLights& lights,
+                Tasks& tasks);
+    /// Finds the light without dynamic objects.
+    /// @param lit  radiant flux of the light maps' leaves, by patch
+    void light_static(std::span<const glm::vec3> lit, Tasks& tasks);
+    /// Finds the light of this frame.
+    /// @param lost  of that flux, what dynamic objects occlude
+    void light_now(std::span<const glm::vec3> lost, Tasks& tasks);
+
+    /// Radiant flux by patch: without dynamic objects, and now.
+    std::span<const glm::vec3> static_flux() const { return static_flux_; }
+    std::span<const glm::vec3> flux() const { return flux_; }
+    /// Whether both differ.
+    bool differs() const { return differs_; }
+
+    std::size_t bytes() const;
+
+ private:
+    int sweeps() const;
+    patches::PatchSurfaces surfaces() const { return {albedo_, area_}; }
+
+    PatchLightOptions options_;
+    patches::SurfacePatches patches_;
+    patches::PatchLinks links_;
+    patches::PatchEmission emission_;
+    PatchTree tree_;
+    std::vector<glm::vec3> albedo_;
+    std::vector<float> area_;
+    double all_ = 0;   // the flux of all static light
+    std::vector<glm::vec3> static_flux_, flux_;
+    bool differs_ = false;
+};
+
+}   // namespace gnomon::irradiance_cache

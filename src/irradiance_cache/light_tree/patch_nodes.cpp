@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// The patches of the static scene in the light tree (light_tree.h): their nodes, and the light that they reflect.
+#include <algorithm>
+#include <cmath>
+
+#include "irradiance_cache/light_tree/light_tree.h"
+
+namespace gnomon::irradiance_cache {
+
+namespace {
+
+constexpr float k_much = 0.1f;   // of the light of the brightest child
+
+}   // namespace
+
+// Decides whether there are patches, and makes them if there are none.
+void LightTree::make_patches(Tasks& tasks)
+{
+    if (options_.patches.emission) sized_.update(*state_);
+    if (!PatchLight::wanted(state_->scene(), options_.patches, sized_)) {
+        patches_.reset();
+        return;
+    }
+    if (patches_) return;
+    patches_ = std::make_unique<PatchLight>(*state_, *rays_, options_.patches, tasks);
+    patches_->follow(*state_, *rays_, sized_, tasks);
+}
+
+// Lets the patches follow the state. Builds the tree anew if the static scene changed, or if patches have light that
+// had none before, or have none any more.
+// @param relit  out: whether their light without dynamic objects changed
+// @return  false if the tree was built anew
+bool LightTree::follow_patches(Tasks& tasks, bool& relit)
+{
+    if (options_.patches.emission) sized_.update(*state_);
+    const bool wanted = PatchLight::wanted(state_->scene(), options_.patches, sized_);
+    const scene::FrameChanges& changes = state_->changes();
+    if (patches_ && (!wanted || !changes.promoted.empty())) patches_.reset();
+    if (patches_) relit = patches_->follow(*state_, *rays_, sized_, tasks);
+    if (wanted == (patches_ != nullptr) && (patches_ || patch_first_ == size())) return true;
+    if (!(state_->present_bounds() == bounds_)) bounds_ = state_->present_bounds();
+    rebuild(tasks);
+    return false;
+}
+
+// Notes the patch that a leaf of a light map lies on.
+void LightTree::note_patch(View& view, std::uint32_t leaf_number, const Leaf& leaf, const ray::Hits& hits) const
+{
+    const patches::PatchId patch =
+        patches_->patches().patch_at(*rays_, leaf.object, hits.triangle[leaf_number], hits.u[leaf_number],
+                                     hits.v[leaf_number], leaf.front, leaf.sample);
+    if (patch != patches::k_no_patch) view.patch[leaf_number] = static_cast<std::uint16_t>(patch);
+}
+
+// Sums the flux of the light maps' leaves by patch: of all, or of those that dynamic objects occlude.
+std::vector<glm::vec3> LightTree::lit_patches(bool occluded_only) const
+{
+    std::vector<glm::vec3> lit;
+    if (!patches_->bounces()) return lit;
+    lit.assign(patches_->patches().patches().size(), glm::vec3(0));
+    for (const View& view : views_) {
+        if (!view.on || view.patch.empty()) continue;
+        const NodeId leaves = first_of_level(view, view.levels);
+        for (std::size_t i = 0; i < view.patch.size(); ++i) {
+            if (view.patch[i] == patches::PatchLinks::k_none || (occluded_only && !view.occluded[i])) continue;
+            lit[view.patch[i]] += static_flux_.at(leaves + static_cast<NodeId>(i));
+        }
+    }
+    return lit;
+}
+
+// Makes the nodes over the patches, by their light without dynamic objects.
+void LightTree::light_patches(Tasks& tasks)
+{
+    if (!patches_) return;
+    patches_->light_static(lit_patches(false), tasks);
+    const PatchTree& tree = patches_->tree();
+    const std::span<const patches::Patch> all = patches_->patches().patches();
+    for (std::size_t q = tree.children.size() / 4; q-- > 0;)
+        for (std::size_t lane = 0; lane < 4; ++lane) {
+            const std::size_t n = 4 * q + lane;
+            const NodeId id = patch_first_ + static_cast<NodeId>(n);
+            VirtualLightQuad& quad = quads_[id / 4];
+            glm::vec3 position(0), normal(0), sample(0), flux(0);
+            float radius = 0, area = 0;
+            if (tree.patch[n] != patches::k_no_patch) {
+                const patches::Patch& patch = all[tree.patch[n]];
+                position = patch.position, normal = patch.normal, sample = patch.sample;
+                radius = patch.radius, area = patch.area, flux = patches_->static_flux()[tree.patch[n]];
+            } else if (tree.children[n] != scene::none) {
+                // Means weighted by flux, over the four children in a fixed order.
+                const NodeId first = patch_first_ + 4 * tree.children[n];
+                const VirtualLightQuad& below = quads_[first / 4];
+                float weight = 0;
+                for (NodeId c = 0; c < 4; ++c) {
+                    if (!(below.flux[c] > 0)) continue;
+                    flux += static_flux_.at(first + c);
+                    weight += below.flux[c], area += below.area[c];
+                    position += below.flux[c] * glm::vec3(below.x[c], below.y[c], below.z[c]);
+                    normal += below.flux[c] * glm::vec3(below.nx[c], below.ny[c], below.nz[c]);
+                }
+                if (weight > 0) position /= weight, normal /= weight;
+                // The place that is nearest to the mean, of children that give much of the light: others may lie behind
+                // a wall.
+                const float least = k_much * *std::max_element(below.flux, below.flux + 4);
+                float nearest = k_infinity;
+                for (NodeId c = 0; c < 4; ++c) {
+                    if (!(below.flux[c] > 0)) continue;
+                    const glm::vec3 at(below.x[c], below.y[c], below.z[c]);
+                    radius = std::max(radius, glm::length(at - position) + below.radius[c]);
+                    if (below.flux[c] < least) continue;
+                    const glm::vec3 place = samples_.at(first + c);
+                    const float distance = glm::length(place - position);
+                    if (distance < nearest) nearest = distance, sample = place;
+                }
+            }
+            quad.x[lane] = position.x, quad.y[lane] = position.y, quad.z[lane] = position.z;
+            quad.nx[lane] = normal.x, quad.ny[lane] = normal.y, quad.nz[lane] = normal.z;
+            quad.radius[lane] = radius, quad.area[lane] = area, quad.flux[lane] = luminance(flux);
+            samples_.places[id] = glm::vec4(sample, 0);
+            static_flux_.set(id, flux), flux_.set(id, flux);
+        }
+    patch_difference_ = {};
+    patches_changed_ = true;
+}
+
+// Follows what dynamic objects occlude now.
+void LightTree::light_patches_now(Tasks& tasks)
+{
+    if (!patches_) return;
+    const bool before = patches_->differs();
+    patches_->light_now(lit_patches(true), tasks);
+    if (!before && !patches_->differs()) return;
+    const PatchTree& tree = patches_->tree();
+    const std::size_t count = tree.children.size();
+    for (auto* lane : {&patch_difference_.r, &patch_difference_.g, &patch_difference_.b}) lane->assign(count + 1, 0.0f);
+    for (std::size_t n = count; n-- > 0;) {
+        const NodeId id = patch_first_ + static_cast<NodeId>(n);
+        if (tree.patch[n] != patches::k_no_patch)
+            flux_.set(id, patches_->flux()[tree.patch[n]]);
+        else if (tree.children[n] != scene::none)
+            sum_children(flux_, id);
+        patch_difference_.set(static_cast<NodeId>(n) + 1, flux_.at(id) - static_flux_.at(id));
+    }
+    patches_changed_ = true;
+    ++flux_version_;
+}
+
+}   // namespace gnomon::irradiance_cache

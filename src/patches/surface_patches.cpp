@@ -1,0 +1,473 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "patches/surface_patches.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/check.h"
+#include "base/interruption.h"
+#include "base/micro_triangles.h"
+#include "lighting/diffuse.h"
+#include "ray/origin.h"
+
+namespace gnomon::patches {
+
+namespace {
+
+constexpr std::uint16_t k_no_code = 0xffff, k_crossed = 0x8000;
+constexpr std::uint32_t k_most_level = 9;
+constexpr int k_more_levels = 2;    // for parts longer than patches are wide,
+constexpr float k_sliver = 0.06f;   // if they have this area in squares of that width
+constexpr double k_fewer = 0.7;     // patches aimed at, until there are few enough
+constexpr float k_most_albedo = 0.98f;
+constexpr std::size_t k_tries = 12;   // places that a point of a crossed part is tested against
+constexpr float k_shrink = 0.98f;     // corners of a part, towards its middle
+constexpr std::size_t k_cells_at_once = 64, k_triangles_at_once = 4096, k_patches_at_once = 256;
+
+}   // namespace
+
+struct SurfacePatches::Part {
+    glm::vec3 middle{0}, normal{0};
+    float area = 0, radius = 0, lift = 0;
+    float width = 0;   // of the cube that it lies in
+    std::uint32_t triangle = 0;
+};
+
+// One side of a part, in its cell.
+struct SurfacePatches::Side {
+    std::uint64_t cell = 0;
+    std::uint32_t code = 0;   // 2 * part + (back ? 1 : 0)
+    auto operator<=>(const Side&) const = default;
+    bool back() const { return (code & 1) != 0; }
+    std::uint32_t part() const { return code / 2; }
+    glm::vec3 normal(const Part& part) const { return back() ? -part.normal : part.normal; }
+};
+
+// The patches of some cells, before they are numbered.
+struct SurfacePatches::Made {
+    std::vector<Patch> patches;
+    std::vector<PatchPlace> places;
+    std::vector<std::uint32_t> patch_of;   // by side of these cells
+
+    // Scratch.
+    ray::RayQueue rays;
+    std::vector<std::uint8_t> occluded;
+    std::vector<std::uint32_t> chosen, group, open, target;
+    std::vector<float> represents;
+
+    Made() { rays.purpose = ray::RayClass::indirect; }
+    void trace(const ray::RayScene& scene)
+    {
+        occluded.resize(rays.size() + ray::k_packet_pad);
+        scene.occluded(rays, 0, rays.size(), occluded.data(), ray::Against::static_only);
+    }
+};
+
+SurfacePatches::SurfacePatches(const scene::SceneState& state, const ray::RayScene& rays, const PatchOptions& options,
+                               Tasks& tasks)
+    : options_(options)
+{
+    GNOMON_CHECK(options.most < k_crossed);
+    number_triangles(state, rays);
+    double area = 0;
+    for (const float a : area_) area += static_cast<double>(a);
+    if (!(area > 0) || !std::isfinite(area)) return;
+    std::vector<Part> parts;
+    std::vector<Side> sides;
+    for (double cells = static_cast<double>(options.patches);; cells *= k_fewer) {
+        // Divide evenly first, to find where there is detail; then by that.
+        const auto even = static_cast<float>(std::sqrt(area / cells));
+        divide(
+            rays, [&](std::uint32_t) { return even; }, tasks, parts);
+        std::vector<DetailSample> samples;
+        for (const Part& part : parts)
+            samples.push_back({part.middle, part.area, static_cast<std::int8_t>(facing_of(part.normal))});
+        const DetailCells cubes(samples, static_cast<std::size_t>(cells));
+        std::vector<float> width(area_.size(), k_infinity);   // by triangle: the least of its cubes
+        for (const Part& part : parts)
+            width[part.triangle] = std::min(width[part.triangle], cubes.cube_at(part.middle).width);
+        divide(
+            rays, [&](std::uint32_t t) { return width[t]; }, tasks, parts);
+        sort_sides(cubes, tasks, parts, sides);
+        std::size_t count = 0;
+        for (std::size_t s = 0; s < sides.size(); ++s) count += s == 0 || sides[s].cell != sides[s - 1].cell;
+        if (count <= options.most) break;
+    }
+    area_ = {};
+
+    // Make the patches of each cell.
+    patch_.assign(2 * parts.size(), k_no_code);
+    std::vector<std::size_t> cells;   // of which the first side lies here
+    for (std::size_t s = 0; s < sides.size(); ++s)
+        if (s == 0 || sides[s].cell != sides[s - 1].cell) cells.push_back(s);
+    cells.push_back(sides.size());
+    const std::size_t count = cells.size() - 1, runs = (count + k_cells_at_once - 1) / k_cells_at_once;
+    std::vector<Made> made(runs);
+    tasks.for_each(runs, [&](std::size_t run, int) {
+        interruption_point();
+        const std::size_t first = run * k_cells_at_once, last = std::min(first + k_cells_at_once, count);
+        for (std::size_t c = first; c < last; ++c)
+            make_cell(rays, parts, std::span(sides).subspan(cells[c], cells[c + 1] - cells[c]), made[run]);
+        made[run].rays = {}, made[run].occluded = {};
+    });
+
+    // Number them.
+    for (std::size_t run = 0; run < runs; ++run) {
+        const auto patch = static_cast<std::uint32_t>(patches_.size());
+        const auto place = static_cast<std::uint32_t>(places_.size());
+        const std::size_t first = cells[run * k_cells_at_once];
+        for (std::size_t s = 0; s < made[run].patch_of.size(); ++s)
+            patch_[sides[first + s].code] = static_cast<std::uint16_t>(patch + made[run].patch_of[s]);
+        for (Patch& p : made[run].patches) {
+            p.first += place, p.cell += patch;
+            patches_.push_back(p);
+        }
+        places_.insert(places_.end(), made[run].places.begin(), made[run].places.end());
+        made[run] = {};
+    }
+    GNOMON_CHECK(patches_.size() < k_crossed);
+    tasks.for_each(runs, [&](std::size_t run, int) {
+        interruption_point();
+        const std::size_t first = cells[run * k_cells_at_once],
+                          last = cells[std::min((run + 1) * k_cells_at_once, count)];
+        mark_crossed(rays, parts, std::span(sides).subspan(first, last - first));
+    });
+}
+
+// Numbers the triangles of static objects that block light, and measures them.
+void SurfacePatches::number_triangles(const scene::SceneState& state, const ray::RayScene& rays)
+{
+    const scene::Scene& scene = state.scene();
+    place_of_object_.assign(scene.objects.size(), scene::none);
+    first_triangle_.push_back(0);
+    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
+        if (scene.objects[o].removed || state.is_dynamic(o) || !state.object_there(o)) continue;
+        const scene::Mesh& mesh = scene.meshes[scene.objects[o].mesh];
+        const ray::ObjectGeometry& geometry = rays.geometry(o);
+        if (!geometry.mesh || mesh.triangles.empty()) continue;
+        const std::size_t first = area_.size();
+        area_.resize(first + mesh.triangles.size(), 0.0f);
+        for (const scene::MeshPart& part : mesh.parts) {
+            if (scene.materials[part.material].surface_class() == scene::SurfaceClass::transparent) continue;
+            for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t) {
+                glm::vec3 p[3];
+                geometry.corners(t, p);
+                const float area = 0.5f * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
+                if (std::isfinite(area)) area_[first + t] = area;
+            }
+        }
+        place_of_object_[o] = static_cast<std::uint32_t>(objects_.size());
+        objects_.push_back(o);
+        first_triangle_.push_back(static_cast<std::uint32_t>(area_.size()));
+    }
+}
+
+scene::ObjectId SurfacePatches::object_of(std::uint32_t triangle) const
+{
+    const auto after = std::upper_bound(first_triangle_.begin(), first_triangle_.end(), triangle);
+    return static_cast<scene::ObjectId>(after - first_triangle_.begin() - 1);
+}
+
+// The barycentric coordinates of a part's middle.
+glm::vec2 SurfacePatches::middle_of(std::uint32_t part, std::uint32_t triangle) const
+{
+    glm::dvec2 corner[3];
+    corners_of(micro_at(part - first_part_[triangle], level_[triangle]), level_[triangle], corner);
+    return glm::vec2((corner[0] + corner[1] + corner[2]) / 3.0);
+}
+
+// Divides the triangles into parts, by how wide patches are there.
+void SurfacePatches::divide(const ray::RayScene& rays, const std::function<float(std::uint32_t)>& width, Tasks& tasks,
+                            std::vector<Part>& parts)
+{
+    first_part_.assign(1, 0);
+    level_.assign(area_.size(), 0);
+    const auto longest_edge = [&](std::uint32_t triangle) {
+        const scene::ObjectId index = object_of(triangle);
+        glm::vec3 p[3];
+        rays.geometry(objects_[index]).corners(triangle - first_triangle_[index], p);
+        return std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
+    };
+    for (std::uint32_t t = 0; t < area_.size(); ++t) {
+        float area = area_[t];
+        const float side = width(t) / options_.parts;
+        while (area > side * side && level_[t] < k_most_level) area *= 0.25f, ++level_[t];
+        // Divide long parts further, unless they are slivers.
+        float edge = longest_edge(t) / static_cast<float>(1u << level_[t]);
+        for (int more = 0; more < k_more_levels && edge > width(t) && level_[t] < k_most_level; ++more) {
+            if (area < k_sliver * width(t) * width(t)) break;
+            area *= 0.25f, edge *= 0.5f, ++level_[t];
+        }
+        first_part_.push_back(first_part_.back() + (area > 0 ? 1u << (2 * level_[t]) : 0));
+    }
+    parts.assign(first_part_.back(), {});
+    const std::size_t runs = (area_.size() + k_triangles_at_once - 1) / k_triangles_at_once;
+    tasks.for_each(runs, [&](std::size_t run, int) {
+        interruption_point();
+        const std::size_t last = std::min((run + 1) * k_triangles_at_once, area_.size());
+        for (std::size_t t = run * k_triangles_at_once; t < last; ++t) {
+            if (first_part_[t] == first_part_[t + 1]) continue;
+            const auto triangle = static_cast<std::uint32_t>(t);
+            const scene::ObjectId index = object_of(triangle);
+            glm::vec3 p[3];
+            rays.geometry(objects_[index]).corners(triangle - first_triangle_[index], p);
+            Part part;
+            part.normal = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
+            part.lift = ray::origin_lift(p);
+            part.area = area_[t] / static_cast<float>(1u << (2 * level_[t]));
+            part.triangle = triangle;
+            const float scale = 1 / static_cast<float>(1u << level_[t]);
+            const glm::vec3 centre = (p[0] + p[1] + p[2]) / 3.0f;
+            for (const glm::vec3& corner : p) part.radius = std::max(part.radius, scale * glm::length(corner - centre));
+            for (std::uint32_t i = first_part_[t]; i < first_part_[t + 1]; ++i) {
+                const glm::vec2 at = middle_of(i, triangle);
+                part.middle = (1 - at.x - at.y) * p[0] + at.x * p[1] + at.y * p[2];
+                parts[i] = part;
+            }
+        }
+    });
+}
+
+// Sorts the sides of the parts by cell: by cube, side and the direction that they face.
+void SurfacePatches::sort_sides(const DetailCells& cubes, Tasks& tasks, std::vector<Part>& parts,
+                                std::vector<Side>& sides)
+{
+    sides.assign(2 * parts.size(), {});
+    const std::size_t runs = (parts.size() + k_triangles_at_once - 1) / k_triangles_at_once;
+    tasks.for_each(runs, [&](std::size_t run, int) {
+        const std::size_t last = std::min((run + 1) * k_triangles_at_once, parts.size());
+        for (std::size_t i = run * k_triangles_at_once; i < last; ++i) {
+            const DetailCells::Cube cube = cubes.cube_at(parts[i].middle);
+            parts[i].width = cube.width;
+            const auto facing = static_cast<std::uint64_t>(facing_of(parts[i].normal));
+            for (const std::uint64_t back : {0, 1})
+                sides[2 * i + back] = {static_cast<std::uint64_t>(cube.number) << 4 | (facing << 1) | back,
+                                       static_cast<std::uint32_t>(2 * i + back)};
+        }
+    });
+    std::sort(sides.begin(), sides.end());
+}
+
+// Chooses places of a cell at equal steps of area.
+void SurfacePatches::choose_places(std::span<const Part> parts, std::span<const Side> sides, Made& made) const
+{
+    const auto part = [&](std::size_t s) -> const Part& { return parts[sides[s].part()]; };
+    made.chosen.clear();
+    if (sides.size() <= options_.places) {
+        for (std::uint32_t s = 0; s < sides.size(); ++s) made.chosen.push_back(s);
+    } else {
+        double all = 0, sum = 0;
+        for (std::size_t s = 0; s < sides.size(); ++s) all += static_cast<double>(part(s).area);
+        const double step = all / static_cast<double>(options_.places);
+        double next = 0.5 * step;
+        for (std::uint32_t s = 0; s < sides.size(); ++s) {
+            sum += static_cast<double>(part(s).area);
+            if (sum <= next) continue;
+            made.chosen.push_back(s);
+            while (next < sum) next += step;
+        }
+    }
+}
+
+// A place of a cell, at some height above its surface.
+glm::vec3 SurfacePatches::above(std::span<const Part> parts, const Side& side, float lift)
+{
+    const Part& of = parts[side.part()];
+    return of.middle + std::max(lift, of.lift) * side.normal(of);
+}
+
+// Groups the places that see each other above the surface. Covered ones, with something closer than that, are a group
+// of their own.
+// @return  how many groups there are
+std::uint32_t SurfacePatches::group_places(const ray::RayScene& rays, std::span<const Part> parts,
+                                           std::span<const Side> sides, Made& made) const
+{
+    const std::size_t count = made.chosen.size();
+    const auto side = [&](std::size_t k) -> const Side& { return sides[made.chosen[k]]; };
+    const float lift = options_.lift * parts[sides[0].part()].width;
+    constexpr std::uint32_t k_open = scene::none;
+    made.group.assign(count, k_open);
+    made.rays.clear();
+    for (std::size_t k = 0; k < count; ++k)
+        made.rays.push(above(parts, side(k), 0), 0, lift * side(k).normal(parts[side(k).part()]), 1);
+    made.trace(rays);
+    std::uint32_t groups = 0;
+    bool covered = false;
+    for (std::size_t k = 0; k < count; ++k)
+        if (made.occluded[k]) made.group[k] = 0, covered = true;
+    if (covered) groups = 1;
+    for (int round = 0; round < options_.separated; ++round) {
+        made.open.clear();
+        for (std::uint32_t k = 0; k < count; ++k)
+            if (made.group[k] == k_open) made.open.push_back(k);
+        if (made.open.empty()) break;
+        const std::uint32_t group = groups++;
+        const bool last = round + 1 == options_.separated;
+        const glm::vec3 from = above(parts, side(made.open.front()), lift);
+        made.rays.clear();
+        for (const std::uint32_t k : made.open) made.rays.push(from, 0, above(parts, side(k), lift) - from, 1);
+        made.trace(rays);
+        for (std::size_t i = 0; i < made.open.size(); ++i)
+            if (last || i == 0 || !made.occluded[i]) made.group[made.open[i]] = group;
+    }
+    return groups;
+}
+
+// Makes the patches of one cell.
+void SurfacePatches::make_cell(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
+                               Made& made) const
+{
+    const auto part = [&](std::size_t s) -> const Part& { return parts[sides[s].part()]; };
+    choose_places(parts, sides, made);
+    const std::uint32_t groups = group_places(rays, parts, sides, made);
+    const std::size_t count = made.chosen.size();
+
+    // Give each side to the nearest place.
+    const std::size_t first_side = made.patch_of.size();
+    made.target.assign(sides.size(), 0);
+    made.represents.assign(count, 0);
+    for (std::size_t s = 0, own = 0; s < sides.size(); ++s) {
+        while (own < count && made.chosen[own] < s) ++own;
+        std::size_t best = own < count && made.chosen[own] == s ? own : count;
+        if (best == count) {
+            float least = k_infinity;
+            for (std::size_t k = 0; k < count; ++k) {
+                const glm::vec3 way = part(made.chosen[k]).middle - part(s).middle;
+                const float square = glm::dot(way, way);
+                if (best == count || square < least) least = square, best = k;
+            }
+        }
+        made.target[s] = static_cast<std::uint32_t>(best);
+        made.represents[best] += part(s).area;
+    }
+
+    // Measure the patches.
+    const auto cell = static_cast<PatchId>(made.patches.size());
+    for (std::uint32_t g = 0; g < groups; ++g) {
+        Patch patch;
+        patch.cell = cell;
+        patch.first = static_cast<std::uint32_t>(made.places.size());
+        glm::dvec3 position(0), normal(0);
+        double area = 0;
+        for (std::size_t s = 0; s < sides.size(); ++s) {
+            if (made.group[made.target[s]] != g) continue;
+            const auto a = static_cast<double>(part(s).area);
+            position += a * glm::dvec3(part(s).middle), normal += a * glm::dvec3(sides[s].normal(part(s))), area += a;
+        }
+        patch.position = glm::vec3(position / area), patch.normal = glm::vec3(normal / area);
+        patch.area = static_cast<float>(area);
+        for (std::size_t s = 0; s < sides.size(); ++s)
+            if (made.group[made.target[s]] == g)
+                patch.radius = std::max(patch.radius, glm::length(part(s).middle - patch.position) + part(s).radius);
+        float nearest = k_infinity;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            if (made.group[k] != g) continue;
+            const Part& of = part(made.chosen[k]);
+            const Side& side = sides[made.chosen[k]];
+            const glm::vec3 place = above(parts, side, 0);
+            made.places.push_back({place, side.normal(of), made.represents[k], side.part()});
+            const float distance = glm::length(of.middle - patch.position);
+            if (distance < nearest) nearest = distance, patch.sample = place;
+        }
+        patch.places = static_cast<std::uint32_t>(made.places.size()) - patch.first;
+        made.patches.push_back(patch);
+    }
+    made.patch_of.resize(first_side + sides.size());
+    for (std::size_t s = 0; s < sides.size(); ++s) made.patch_of[first_side + s] = cell + made.group[made.target[s]];
+}
+
+// Marks the sides of parts that other geometry crosses: one of the corners is not visible from the middle.
+void SurfacePatches::mark_crossed(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides)
+{
+    ray::RayQueue queue;
+    queue.purpose = ray::RayClass::indirect;
+    std::vector<std::uint32_t> code;
+    for (const Side& side : sides) {
+        const Part& part = parts[side.part()];
+        if (part.area < options_.crossed_area * part.width * part.width) continue;
+        const scene::ObjectId index = object_of(part.triangle);
+        glm::vec3 p[3];
+        rays.geometry(objects_[index]).corners(part.triangle - first_triangle_[index], p);
+        glm::dvec2 corner[3];
+        const std::uint32_t level = level_[part.triangle];
+        corners_of(micro_at(side.part() - first_part_[part.triangle], level), level, corner);
+        const glm::vec3 from =
+            part.middle + std::max(part.lift, options_.crossed_lift * part.width) * side.normal(part);
+        for (const glm::dvec2& c : corner) {
+            const glm::vec2 at(c);
+            queue.push(from, 0, k_shrink * ((1 - at.x - at.y) * p[0] + at.x * p[1] + at.y * p[2] - part.middle), 1);
+            code.push_back(side.code);
+        }
+    }
+    std::vector<std::uint8_t> occluded(queue.size() + ray::k_packet_pad);
+    rays.occluded(queue, 0, queue.size(), occluded.data(), ray::Against::static_only);
+    for (std::size_t r = 0; r < code.size(); ++r)
+        if (occluded[r]) patch_[code[r]] |= k_crossed;
+}
+
+PatchId SurfacePatches::patch_at(const ray::RayScene& rays, scene::ObjectId object, std::uint32_t triangle, float u,
+                                 float v, bool front, const glm::vec3& above) const
+{
+    if (object >= place_of_object_.size() || place_of_object_[object] == scene::none || patches_.empty())
+        return k_no_patch;
+    const std::uint32_t t = first_triangle_[place_of_object_[object]] + triangle;
+    if (first_part_[t] == first_part_[t + 1]) return k_no_patch;
+    const std::uint32_t part = first_part_[t] + micro_index_at(u, v, level_[t]);
+    const std::uint16_t code = patch_[2 * part + (front ? 0 : 1)];
+    if (code == k_no_code) return k_no_patch;
+    if (!(code & k_crossed)) return code;
+
+    // Take the nearest place of the cell that is visible from the point.
+    struct Candidate {
+        float square;
+        PatchId patch;
+        glm::vec3 way;
+    };
+    std::vector<Candidate> candidates;
+    const PatchId cell = patches_[code & ~k_crossed].cell;
+    for (PatchId p = cell; p < patches_.size() && patches_[p].cell == cell; ++p)
+        for (const PatchPlace& place : places(patches_[p])) {
+            const glm::vec3 way = place.position - above;
+            candidates.push_back({glm::dot(way, way), p, way});
+        }
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [](const Candidate& x, const Candidate& y) { return x.square < y.square; });
+    if (candidates.size() > k_tries) candidates.resize(k_tries);
+    for (const Candidate& candidate : candidates)
+        if (!rays.occluded_single(above, 0, candidate.way, ray::k_shadow_ray_end, ray::Against::static_only))
+            return candidate.patch;
+    return k_no_patch;
+}
+
+std::vector<glm::vec3> SurfacePatches::albedo(const scene::Scene& scene, const ray::RayScene& rays, Tasks& tasks) const
+{
+    std::vector<glm::vec3> result(patches_.size());
+    tasks.for_each((patches_.size() + k_patches_at_once - 1) / k_patches_at_once, [&](std::size_t run, int) {
+        const std::size_t last = std::min((run + 1) * k_patches_at_once, patches_.size());
+        for (std::size_t p = run * k_patches_at_once; p < last; ++p) {
+            glm::vec3 sum(0);
+            float area = 0;
+            for (const PatchPlace& place : places(patches_[p])) {
+                const auto after = std::upper_bound(first_part_.begin(), first_part_.end(), place.part);
+                const auto triangle = static_cast<std::uint32_t>(after - first_part_.begin() - 1);
+                const scene::ObjectId index = object_of(triangle);
+                const glm::vec2 at = middle_of(place.part, triangle);
+                sum += place.area * lighting::albedo(scene, rays.geometry(objects_[index]),
+                                                     triangle - first_triangle_[index], at.x, at.y);
+                area += place.area;
+            }
+            result[p] = glm::clamp(sum / area, glm::vec3(0), glm::vec3(k_most_albedo));
+        }
+    });
+    return result;
+}
+
+std::size_t SurfacePatches::bytes() const
+{
+    return first_part_.size() * (sizeof(std::uint32_t) + 1) + patch_.size() * sizeof(std::uint16_t) +
+           patches_.size() * sizeof(Patch) + places_.size() * sizeof(PatchPlace) +
+           place_of_object_.size() * sizeof(std::uint32_t);
+}
+
+}   // namespace gnomon::patches

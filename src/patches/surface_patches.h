@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Divides the static surfaces of a scene into patches of similar size, for light that bounces between them.
+//
+// Large triangles are divided into parts (base/micro_triangles.h); a small triangle is one part. Both sides of a part
+// are told apart. Parts in the same cube of an octree (detail_cells.h) that face the same way form a cell. A few places
+// represent each cell, and those that see each other just above the surface form a patch: a wall that crosses a floor
+// separates the floor's patches, and the floor below a box is no part of the floor around it. So a patch is either in
+// the light or out of it, and light does not leak through walls.
+//
+// Patches depend on the static scene alone: neither on the lights, nor on the view or the time.
+//
+// Cost: a sort of all parts; up to three rays for each part, and a few more for each place. Memory: nine bytes for each
+// triangle, four for each part, 36 for each place.
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "base/tasks.h"
+#include "patches/detail_cells.h"
+#include "ray/ray_scene.h"
+
+namespace gnomon::patches {
+
+using PatchId = std::uint32_t;
+inline constexpr PatchId k_no_patch = scene::none;
+
+struct PatchOptions {
+    std::size_t patches = 4096;    // aimed at, by one side of all surfaces
+    std::size_t most = 16384;      // of both sides, at most, below 2^15; fewer are aimed at until they fit
+    float parts = 2;               // parts along a patch, at least
+    std::size_t places = 12;       // of a cell, at most
+    int separated = 4;             // patches of a cell, at most
+    float lift = 0.1f;             // height at which places of a cell see each other, in widths of a cube
+    float crossed_lift = 0.001f;   // the same for the places of a part
+    float crossed_area = 0.003f;   // parts below this area, in squares of that width, are not tested for crossings
+};
+
+/// A point of a patch that represents some of its surface.
+struct PatchPlace {
+    glm::vec3 position{0};   // just above the surface
+    glm::vec3 normal{0};     // unit, geometric
+    float area = 0;          // of the surface that it represents
+    std::uint32_t part = 0;
+};
+
+struct Patch {
+    glm::vec3 position{0};   // mean over its surface
+    glm::vec3 normal{0};     // mean; shorter than 1 if normals differ
+    glm::vec3 sample{0};     // the place nearest to the mean, for which visibility is tested
+    float area = 0;
+    float radius = 0;                      // of a sphere around `position` that encloses it
+    std::uint32_t first = 0, places = 0;   // its places
+    PatchId cell = 0;                      // the first patch of the same cell
+};
+
+class SurfacePatches {
+ public:
+    SurfacePatches(const scene::SceneState& state, const ray::RayScene& rays, const PatchOptions& options,
+                   Tasks& tasks);
+
+    std::span<const Patch> patches() const { return patches_; }
+    std::span<const PatchPlace> places(const Patch& patch) const
+    {
+        return std::span<const PatchPlace>(places_).subspan(patch.first, patch.places);
+    }
+    /// The patch at a point of a triangle; k_no_patch for dynamic objects, for surfaces that do not block light, and
+    /// where none of the cell's places is visible from the point. Thread-safe. Cost: a look-up; where other geometry
+    /// crosses the part, also a few rays.
+    /// @param front  the side, by the world winding
+    /// @param above  the point, just above the surface on that side
+    PatchId patch_at(const ray::RayScene& rays, scene::ObjectId object, std::uint32_t triangle, float u, float v,
+                     bool front, const glm::vec3& above) const;
+
+    /// Mean albedo by patch (lighting::albedo), at most 0.98.
+    std::vector<glm::vec3> albedo(const scene::Scene& scene, const ray::RayScene& rays, Tasks& tasks) const;
+
+    std::size_t bytes() const;
+
+ private:
+    struct Part;
+    struct Side;
+    struct Made;
+    void number_triangles(const scene::SceneState& state, const ray::RayScene& rays);
+    void divide(const ray::RayScene& rays, const std::function<float(std::uint32_t)>& width, Tasks& tasks,
+                std::vector<Part>& parts);
+    static void sort_sides(const DetailCells& cubes, Tasks& tasks, std::vector<Part>& parts, std::vector<Side>& sides);
+    void choose_places(std::span<const Part> parts, std::span<const Side> sides, Made& made) const;
+    static glm::vec3 above(std::span<const Part> parts, const Side& side, float lift);
+    std::uint32_t group_places(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
+                               Made& made) const;
+    void make_cell(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
+                   Made& made) const;
+    void mark_crossed(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides);
+    scene::ObjectId object_of(std::uint32_t triangle) const;
+    glm::vec2 middle_of(std::uint32_t part, std::uint32_t triangle) const;
+
+    PatchOptions options_;
+    std::vector<scene::ObjectId> objects_;         // static ones with surfaces, ascending
+    std::vector<std::uint32_t> first_triangle_;    // by these, and one more at the end
+    std::vector<std::uint32_t> place_of_object_;   // by object of the scene: its index among these, or none
+    std::vector<std::uint32_t> first_part_;        // by triangle, and one more
+    std::vector<std::uint8_t> level_;              // by triangle
+    std::vector<float> area_;                      // by triangle; only while patches are made
+    std::vector<std::uint16_t> patch_;             // by part and side; k_no_code: none; k_crossed may be set
+    std::vector<Patch> patches_;
+    std::vector<PatchPlace> places_;
+};
+
+}   // namespace gnomon::patches
