@@ -163,11 +163,11 @@ TEST(ShadowMemory, EvidenceIsFreedWhenTaken)
 
 TEST(MicroTriangles, AncestorsAreParentsOfParents)
 {
-    constexpr std::uint32_t k_level = 5;
-    for (std::uint32_t k = 0; k < 1u << (2 * k_level); ++k) {
-        const MicroTriangle part = micro_at(k, k_level);
+    constexpr std::uint32_t k_finest = 5;
+    for (std::uint32_t k = 0; k < 1u << (2 * k_finest); ++k) {
+        const MicroTriangle part = micro_at(k, k_finest);
         MicroTriangle above = part;
-        for (std::uint32_t up = 0; up <= k_level; ++up, above = parent_of(above))
+        for (std::uint32_t up = 0; up <= k_finest; ++up, above = parent_of(above))
             EXPECT_EQ(ancestor_of(part, up), above) << k << " " << up;
     }
 }
