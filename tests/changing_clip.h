@@ -163,7 +163,11 @@ inline RandomClip random_clip(std::uint64_t seed, bool declared = false)
 /// What a user overrides, and does next.
 class User {
  public:
-    User(const RandomClip& clip, std::uint64_t seed) : clip_(clip), random_(seed, 4) {}
+    /// @param may_emit  surfaces may begin to shine
+    User(const RandomClip& clip, std::uint64_t seed, bool may_emit = true)
+        : clip_(clip), may_emit_(may_emit), random_(seed, 4)
+    {
+    }
 
     /// The time of the next step, of a whole frame: between frames, tracks jump within rounding of their times.
     double next_time(double now)
@@ -289,13 +293,15 @@ class User {
             values.base_color = {random_.uniform(0, 1), random_.uniform(0, 1), random_.uniform(0, 1)};
             values.roughness = random_.uniform(0.1f, 1);
             if (random_.below(2)) values.metallic = random_.uniform(0, 1);
-            if (random_.below(2)) values.emissive = glm::vec3(random_.uniform(0, 1));
+            if (random_.below(2))
+                if (const float light = random_.uniform(0, 1); may_emit_) values.emissive = glm::vec3(light);
         }
         materials_[material] = values;
         state.set_material(material, values);
     }
 
     const RandomClip& clip_;
+    bool may_emit_;
     Random random_;
     // In force.
     std::map<NodeId, glm::dmat4> transforms_;

@@ -17,9 +17,10 @@ namespace {
 
 constexpr std::uint16_t k_no_code = 0xffff, k_crossed = 0x8000;
 constexpr std::uint32_t k_most_level = 9;
-constexpr int k_more_levels = 2;    // for parts longer than patches are wide,
-constexpr float k_sliver = 0.06f;   // if they have this area in squares of that width
-constexpr double k_fewer = 0.7;     // patches aimed at, until there are few enough
+constexpr std::uint64_t k_most_parts = 1 << 20;   // unless there are more triangles
+constexpr int k_more_levels = 2;                  // for parts longer than patches are wide,
+constexpr float k_sliver = 0.06f;                 // if they have this area in squares of that width
+constexpr double k_fewer = 0.7;                   // patches aimed at, until there are few enough
 constexpr float k_most_albedo = 0.98f;
 constexpr std::size_t k_tries = 12;   // places that a point of a crossed part is tested against
 constexpr float k_shrink = 0.98f;     // corners of a part, towards its middle
@@ -177,6 +178,21 @@ glm::vec2 SurfacePatches::middle_of(std::uint32_t part, std::uint32_t triangle) 
     return glm::vec2((corner[0] + corner[1] + corner[2]) / 3.0);
 }
 
+// How often a triangle is divided into quarters.
+std::uint8_t SurfacePatches::level_of(float area, float edge, float width) const
+{
+    std::uint8_t level = 0;
+    const float side = width / options_.parts;
+    while (area > side * side && level < k_most_level) area *= 0.25f, ++level;
+    // Divide long parts further, unless they are slivers.
+    edge /= static_cast<float>(1u << level);
+    for (int more = 0; more < k_more_levels && edge > width && level < k_most_level; ++more) {
+        if (area < k_sliver * width * width) break;
+        area *= 0.25f, edge *= 0.5f, ++level;
+    }
+    return level;
+}
+
 // Divides the triangles into parts, by how wide patches are there.
 void SurfacePatches::divide(const ray::RayScene& rays, const std::function<float(std::uint32_t)>& width, Tasks& tasks,
                             std::vector<Part>& parts)
@@ -189,18 +205,19 @@ void SurfacePatches::divide(const ray::RayScene& rays, const std::function<float
         rays.geometry(objects_[index]).corners(triangle - first_triangle_[index], p);
         return std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
     };
-    for (std::uint32_t t = 0; t < area_.size(); ++t) {
-        float area = area_[t];
-        const float side = width(t) / options_.parts;
-        while (area > side * side && level_[t] < k_most_level) area *= 0.25f, ++level_[t];
-        // Divide long parts further, unless they are slivers.
-        float edge = longest_edge(t) / static_cast<float>(1u << level_[t]);
-        for (int more = 0; more < k_more_levels && edge > width(t) && level_[t] < k_most_level; ++more) {
-            if (area < k_sliver * width(t) * width(t)) break;
-            area *= 0.25f, edge *= 0.5f, ++level_[t];
+    // Choose levels; coarser ones, if there were too many parts.
+    for (float scale = 1;; scale *= 1.5f) {
+        std::uint64_t count = 0;
+        bool whole = true;   // no triangle is divided
+        for (std::uint32_t t = 0; t < area_.size(); ++t) {
+            level_[t] = level_of(area_[t], longest_edge(t), scale * width(t));
+            whole = whole && level_[t] == 0;
+            count += area_[t] > 0 ? std::uint64_t{1} << (2 * level_[t]) : 0;
         }
-        first_part_.push_back(first_part_.back() + (area > 0 ? 1u << (2 * level_[t]) : 0));
+        if (count <= k_most_parts || whole) break;
     }
+    for (std::uint32_t t = 0; t < area_.size(); ++t)
+        first_part_.push_back(first_part_.back() + (area_[t] > 0 ? 1u << (2 * level_[t]) : 0));
     parts.assign(first_part_.back(), {});
     const std::size_t runs = (area_.size() + k_triangles_at_once - 1) / k_triangles_at_once;
     tasks.for_each(runs, [&](std::size_t run, int) {

@@ -83,6 +83,7 @@ class SurfacePatches {
     struct Side;
     struct Made;
     void number_triangles(const scene::SceneState& state, const ray::RayScene& rays);
+    std::uint8_t level_of(float area, float edge, float width) const;
     void divide(const ray::RayScene& rays, const std::function<float(std::uint32_t)>& width, Tasks& tasks,
                 std::vector<Part>& parts);
     static void sort_sides(const DetailCells& cubes, Tasks& tasks, std::vector<Part>& parts, std::vector<Side>& sides);

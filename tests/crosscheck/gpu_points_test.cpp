@@ -27,7 +27,7 @@ constexpr double k_nodes_that_differ = 1e-3;   // fraction of the nodes of cuts:
 constexpr double k_weight_tolerance = 1e-4;    // relative, of weights
 constexpr double k_sum_tolerance = 1e-5;       // relative to the sum of all lengths
 constexpr double k_grazing_light = 1e-3, k_grazing_points = 0.01;   // if the device traces the rays
-constexpr double k_light_tolerance = 1e-4;                          // relative to a frame's mean irradiance
+constexpr double k_light_tolerance = 2e-4;                          // relative to a frame's mean irradiance
 
 std::vector<CutRequest> some_requests(const World& world, std::size_t count)
 {
