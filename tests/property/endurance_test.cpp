@@ -90,7 +90,7 @@ void endure(const std::filesystem::path& file, int frames, int checkpoints)
     EXPECT_GT(checked, 0);
     // The allocator's reserve varies; a sanitizer keeps freed memory.
     if (!test::k_sanitized) {
-        EXPECT_LT(late, 1.02 * settled + 12);   // a step: arrays of the irradiance cache grow by doubling
+        EXPECT_LT(late, 1.02 * settled + 32);   // what a cold renderer leaves with the allocator comes in steps
     }
 }
 
