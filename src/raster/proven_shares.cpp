@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "gpu_scene/gpu_scene_shared.h"
+#include "raster/barycentric.h"
 #include "ray/origin.h"
 #include "scene/view.h"
 #include "shading/glossy.h"
@@ -21,18 +22,6 @@ constexpr int k_tile = 32;   // pixels a side, whose points are handed over toge
 int tiles_across(int pixels)
 {
     return (pixels + k_tile - 1) / k_tile;
-}
-
-// Returns the barycentric coordinates of a point of a triangle.
-glm::vec2 barycentric(const glm::vec3 (&p)[3], const glm::vec3& at)
-{
-    const glm::vec3 a = p[1] - p[0], b = p[2] - p[0], c = at - p[0];
-    const float aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b);
-    const float determinant = aa * bb - ab * ab;
-    if (!(determinant > 0)) return glm::vec2(0);
-    const float u = (glm::dot(a, c) * bb - glm::dot(b, c) * ab) / determinant;
-    const float v = (glm::dot(b, c) * aa - glm::dot(a, c) * ab) / determinant;
-    return glm::clamp(glm::vec2(u, v), 0.0f, 1.0f);
 }
 
 float mean_of(const glm::vec3& share, const glm::vec3& radiance)

@@ -5,24 +5,13 @@
 
 #include "base/check.h"
 #include "irradiance_cache/vulkan/gpu_points.h"
+#include "raster/barycentric.h"
 
 namespace gnomon::raster {
 
 namespace {
 
 constexpr int k_tile = 32;   // pixels a side, lit as one batch
-
-// Returns the barycentric coordinates of a point of a triangle.
-glm::vec2 barycentric(const glm::vec3 (&p)[3], const glm::vec3& at)
-{
-    const glm::vec3 a = p[1] - p[0], b = p[2] - p[0], c = at - p[0];
-    const float aa = glm::dot(a, a), ab = glm::dot(a, b), bb = glm::dot(b, b);
-    const float determinant = aa * bb - ab * ab;
-    if (!(determinant > 0)) return glm::vec2(0);
-    const float u = (glm::dot(a, c) * bb - glm::dot(b, c) * ab) / determinant;
-    const float v = (glm::dot(b, c) * aa - glm::dot(a, c) * ab) / determinant;
-    return glm::clamp(glm::vec2(u, v), 0.0f, 1.0f);
-}
 
 }   // namespace
 
