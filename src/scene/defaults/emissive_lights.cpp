@@ -251,8 +251,8 @@ void add_emitter_lights(Scene& scene, const EmitterOptions& options)
     if (!alone) return;
     if (options.fill) add_room_fill(scene, flux);
     scene.warnings.push_back(
-        fmt::format("{} emissive surface{} the scene; {} point lights approximate {} where light "
-                    "bounces and in rasterised frames",
+        fmt::format("{} emissive surface{} the scene; {} point lights approximate {} where light bounces in rasterised "
+                    "frames, and by --indirect quadtree and rsm",
                     found, found == 1 ? " lights" : "s light", scene.lights.size(), found == 1 ? "it" : "them"));
 }
 
