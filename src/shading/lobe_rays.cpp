@@ -15,6 +15,29 @@ float fraction(std::uint32_t bits)
     return static_cast<float>(bits >> 8) * 0x1p-24f;
 }
 
+// How much the shading normal turns per unit of distance, along the edge of a triangle where it turns most.
+float curvature(const ray::ObjectGeometry& geometry, std::uint32_t triangle)
+{
+    if (!geometry.normals) return 0;
+    glm::vec3 p[3], n[3];
+    geometry.corners(triangle, p);
+    const glm::uvec3 index = geometry.mesh->triangles[triangle];
+    for (int i = 0; i < 3; ++i) {
+        n[i] = geometry.normals[index[i]];
+        if (geometry.normal_to_world) n[i] = *geometry.normal_to_world * n[i];
+        const float length = glm::length(n[i]);
+        if (!(length > 0)) return 0;
+        n[i] /= length;
+    }
+    float most = 0;
+    for (int i = 0; i < 3; ++i) {
+        const glm::vec3 edge = p[(i + 1) % 3] - p[i], turn = n[(i + 1) % 3] - n[i];
+        const float square = glm::dot(edge, edge);
+        if (square > 0) most = std::max(most, glm::dot(turn, turn) / square);
+    }
+    return std::sqrt(most);
+}
+
 }   // namespace
 
 float lobe_share(const SurfacePoint& s)
@@ -58,11 +81,12 @@ std::size_t lobe_rays(const SurfacePoint& s, std::uint32_t first, const glm::uve
     return count;
 }
 
-void widen_lobe(SurfacePoint& s)
+void widen_lobe(const ray::ObjectGeometry& geometry, std::uint32_t triangle, SurfacePoint& s)
 {
-    if (s.model != scene::ShadingModel::metallic_roughness) return;
-    const float alpha = s.roughness * s.roughness, half = 0.5f * s.cone.spread;
-    s.roughness = std::min(std::sqrt(std::sqrt(alpha * alpha + half * half)), 1.0f);
+    if (s.model != scene::ShadingModel::metallic_roughness || s.specular == glm::vec3(0)) return;
+    const float alpha = s.roughness * s.roughness, angle = 0.5f * s.cone.spread;
+    const float turn = 0.5f * s.cone.width * curvature(geometry, triangle);
+    s.roughness = std::min(std::sqrt(std::sqrt(alpha * alpha + angle * angle + turn * turn)), 1.0f);
 }
 
 std::uint32_t lobe_block(int x, int y)

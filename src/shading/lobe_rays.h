@@ -41,9 +41,10 @@ struct LobeRay {
 std::size_t lobe_rays(const SurfacePoint& s, std::uint32_t first, const glm::uvec2& flip, bool random,
                       std::span<LobeRay> rays);
 
-/// Widens a surface's lobe by the ray cone through which it is seen. A highlight that is smaller than the part of
-/// another lobe in which it is seen would be met by a few rays, and be too bright there.
-void widen_lobe(SurfacePoint& s);
+/// Widens a surface's lobe by the ray cone through which it is seen: by the cone's angle, and by how much the surface
+/// turns below it. A highlight that is smaller than the part of another lobe in which it is seen would be met by few
+/// rays, and be too bright there.
+void widen_lobe(const ray::ObjectGeometry& geometry, std::uint32_t triangle, SurfacePoint& s);
 
 /// The number of a pixel's block of the pattern, below the square of k_lobe_interleave.
 std::uint32_t lobe_block(int x, int y);

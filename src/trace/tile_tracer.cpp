@@ -209,7 +209,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         point.pixel = path.pixel;
         point.throughput = path.throughput;
         point.lobe = path.lobe;
-        if (path.lobe.rays > 0) shading::widen_lobe(point.surface);
+        if (path.lobe.rays > 0) shading::widen_lobe(rays_.geometry(hits_.object[i]), hits_.triangle[i], point.surface);
         const shading::SurfacePoint& s = point.surface;
 
         point.next = shading::continue_from(s);
