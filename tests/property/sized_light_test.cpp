@@ -135,8 +135,9 @@ TEST(SizedLights, FlatFiguresAreOneLight)
     // A thin ring fills too little of the rectangle around it.
     EXPECT_GT(lights_of(emitter(fan(24, 0.95f))).lights().size(), 10u);
     // A ball has no two faces in one plane.
-    for (const scene::SizedLight& of_ball : lights_of(emitter(test::ball(0, 4, 6))).lights())
-        EXPECT_EQ(of_ball.faces.size(), 1u);
+    const auto ball = lights_of(emitter(test::ball(0, 4, 6)));
+    EXPECT_FALSE(ball.lights().empty());
+    for (const scene::SizedLight& of_ball : ball.lights()) EXPECT_EQ(of_ball.faces.size(), 1u);
 }
 
 TEST(SizedLights, FollowWhatMovesAndWhatShines)
