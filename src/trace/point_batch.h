@@ -48,6 +48,7 @@ struct Path {
     bool sees_no_light = false;   // emission and background at its end are counted already, by a lobe
     float emission = 1;           // the share of emission at its end that is not counted already, by a highlight
     float background = 1;         // likewise, of the background
+    float parts = 1;              // paths into which a rough surface split it
 };
 
 /// A point to shade.
@@ -56,6 +57,7 @@ struct TilePoint {
     shading::Continuation next;
     std::uint32_t pixel;   // of the tile
     glm::vec3 throughput;
+    float parts = 1;       // as of its path
     bool glossy = false;   // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
 };
 

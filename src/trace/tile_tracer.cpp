@@ -5,6 +5,8 @@
 
 #include "base/interruption.h"
 #include "base/morton.h"
+#include "ray/origin.h"
+#include "scene/light_reach.h"
 #include "shading/glossy.h"
 
 namespace gnomon::trace {
@@ -32,9 +34,10 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
       is_estimate_(indirect && indirect->is_estimate()),
       log_(log)
 {
-    if (sized.lights) sized_.emplace(*sized.lights, *sized.visibility);
-    if (environment) environment_.emplace(*environment);
+    if (sized.lights) sized_.emplace(*sized.lights, *sized.visibility, rays_);
+    if (environment) environment_.emplace(*environment, rays_);
     sees_image_ = environment_ && environment_->has_image();
+    thins_light_ = rays_.thins_light();
     primary_.rays.purpose = ray::RayClass::primary;
     for (PathQueue* queue : {&reflected_, &next_reflected_}) queue->rays.purpose = ray::RayClass::reflection;
     for (PathQueue* queue : {&refracted_, &next_refracted_}) queue->rays.purpose = ray::RayClass::refraction;
@@ -173,12 +176,14 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
                             hits_.t[i], direction, path.cone, point.surface);
         point.pixel = path.pixel;
         point.throughput = path.throughput;
+        point.parts = path.parts;
         const shading::SurfacePoint& s = point.surface;
+        if (s.layered) point.throughput *= shading::attenuation(s, hits_.t[i]);
 
         point.next = shading::continue_from(s);
         if (indirect_light_ && indirect_light_->reflects_lobes() && shading::has_glossy_lobe(s)) {
             point.glossy = true;
-            point.next.unresolved_weight = glm::vec3(0);
+            point.next.unresolved_weight = glm::vec3(point.next.coat_unresolved);
         }
 
         // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
@@ -189,7 +194,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
                                       !(indirect_light_ && indirect_light_->has_further_bounces()));
         if (!sees_image_ && point.next.unresolved_weight != glm::vec3(0))
             own += point.next.unresolved_weight * scene_.background.ambient(point.next.reflected);
-        color_[path.pixel] += path.throughput * own;
+        color_[path.pixel] += point.throughput * own;
         if (primary && options_.layers) {
             albedo_[path.pixel] += s.diffuse + s.specular;
             if (sample == 0) {
@@ -220,20 +225,35 @@ void TileTracer::add_lights(const PointBatch& batch, Stopwatch& watch)
         interruption_point();
         lit_.clear();
         shadows_->find_lit(batch, static_cast<scene::LightId>(l), lit_);
+        if (thins_light_) find_passing(light, at);
         watch.end(FrameTimes::shadows);
-        for (const std::uint32_t p : lit_) {
-            const TilePoint& point = points_[p];
-            const scene::LightSample sample = scene::illuminate(light, at, point.surface.position);
+        for (std::size_t k = 0; k < lit_.size(); ++k) {
+            const TilePoint& point = points_[lit_[k]];
+            scene::LightSample sample = scene::illuminate(light, at, point.surface.position);
+            if (thins_light_) sample.irradiance *= passes_[k];
             const auto reflect = light.of_environment ? shading::reflect_surroundings : shading::reflect_light;
             const glm::vec3 radiance = point.throughput * reflect(point.surface, sample.to_light, sample.irradiance);
             color_[point.pixel] += radiance;
             if (batch.primary && options_.layers) {
                 direct_[point.pixel] += radiance;
-                shadow_[point.pixel * lights + l] += 1;
+                shadow_[point.pixel * lights + l] += thins_light_ ? luminance(passes_[k]) : 1;
             }
         }
         watch.end(FrameTimes::surfaces);
     }
+}
+
+void TileTracer::find_passing(const scene::Light& light, const scene::LightState& at)
+{
+    const scene::LightReach reach(light, at);
+    const float end = reach.directional() ? k_infinity : ray::k_shadow_ray_end;
+    passing_.clear();
+    for (const std::uint32_t p : lit_) {
+        const glm::vec3& origin = shadow_points_[p].origin;
+        passing_.push(origin, 0, reach.from(origin), end);
+    }
+    passes_.resize(lit_.size());
+    rays_.let_through(passing_, 0, passing_.size(), passes_.data());
 }
 
 // Adds the direct light of emissive surfaces.
@@ -326,17 +346,48 @@ void TileTracer::queue_continuations()
                                const glm::vec3& direction, bool sees_no_light = false, float emission = 1,
                                float background = 1) {
             const glm::vec3 throughput = point.throughput * weight;
-            if (largest(throughput) < options_.min_throughput) return;
-            to.push({point.pixel, throughput, s.cone, sees_no_light, emission, background}, origin, 0, direction,
-                    k_infinity);
+            if (largest(throughput) * point.parts < options_.min_throughput) return;
+            to.push({point.pixel, throughput, s.cone, sees_no_light, emission, background, point.parts}, origin, 0,
+                    direction, k_infinity);
         };
-        queue(next_reflected_, c.reflected_weight, s.position + lift, c.reflected, point.glossy,
-              sized_ ? 1 - highlight_share(s) : 1, sees_image_ ? 1 - highlight_share(s) : 1);
-        queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted);
+        if (s.layered) {
+            queue_layered(point, lift);
+        } else {
+            queue(next_reflected_, c.reflected_weight, s.position + lift, c.reflected, point.glossy,
+                  sized_ ? 1 - highlight_share(s) : 1, sees_image_ ? 1 - highlight_share(s) : 1);
+            queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted);
+        }
         queue(next_refracted_, c.straight_weight, s.position - lift, -s.to_viewer);
     }
     std::swap(reflected_, next_reflected_);
     std::swap(refracted_, next_refracted_);
+}
+
+// Queues the rays of a layered surface. Its coat always shows lights by the mirrored ray; rough transmission takes
+// several rays.
+void TileTracer::queue_layered(const TilePoint& point, const glm::vec3& lift)
+{
+    const shading::SurfacePoint& s = point.surface;
+    const shading::Continuation& c = point.next;
+    Path path{point.pixel, point.throughput * c.reflected_weight, s.cone};
+    path.parts = point.parts;
+    if (largest(path.throughput) * path.parts >= options_.min_throughput) {
+        const float coat = std::clamp(c.coat_reflected / largest(c.reflected_weight), 0.0f, 1.0f);
+        const auto shown = [&](bool by_lobe) {
+            const float base = point.glossy ? 0 : by_lobe ? 1 - highlight_share(s) : 1;
+            return coat + (1 - coat) * base;
+        };
+        path.emission = shown(sized_.has_value()), path.background = shown(sees_image_);
+        next_reflected_.push(path, s.position + lift, 0, c.reflected, k_infinity);
+    }
+    shading::find_transmitted(s, c, point.parts > 1, transmitted_);
+    for (const shading::TransmittedRay& ray : transmitted_) {
+        Path through{point.pixel, point.throughput * c.refracted_weight * ray.part, s.cone};
+        through.parts = ray.spread > 0 ? point.parts * static_cast<float>(transmitted_.size()) : point.parts;
+        if (largest(through.throughput) * through.parts < options_.min_throughput) continue;
+        through.cone.spread += ray.spread;
+        next_refracted_.push(through, s.position - lift, 0, ray.direction, k_infinity);
+    }
 }
 
 void TileTracer::store(shading::FrameBuffers& out) const

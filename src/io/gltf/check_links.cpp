@@ -89,11 +89,19 @@ void check_material(const Material& material, const std::string& here, const Con
         {&material.emissive_texture, "emissiveTexture"},
         {material.glossiness ? &material.glossiness->diffuse_texture : nullptr, "diffuseTexture"},
         {material.glossiness ? &material.glossiness->specular_texture : nullptr, "specularGlossinessTexture"}};
-    for (const auto& [info, name] : uses) {
-        if (!info) continue;
-        const float sum =
-            info->offset.x + info->offset.y + info->scale.x + info->scale.y + info->rotation + info->factor;
+    const auto check = [&](const TextureInfo& info, const char* name) {
+        const float sum = info.offset.x + info.offset.y + info.scale.x + info.scale.y + info.rotation + info.factor;
         if (!std::isfinite(sum)) context.fail(at(here, name), "a number is too large");
+    };
+    for (const auto& [info, name] : uses)
+        if (info) check(*info, name);
+    if (material.layers) {
+        const Layers& l = *material.layers;
+        for (const LayerTexture& texture : k_layer_textures) check(l.*texture.info, texture.property);
+        float sum = l.anisotropy_rotation + l.iridescence_ior + l.iridescence_thickness_least +
+                    l.iridescence_thickness_most + l.thickness + l.attenuation_distance + l.dispersion;
+        for (const float c : l.specular_color) sum += c;
+        if (!std::isfinite(sum)) context.fail(here, "a number is too large");
     }
     if (!std::isfinite(material.ior + material.alpha_cutoff)) context.fail(here, "a number is too large");
 }

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 namespace gnomon::io::gltf {
@@ -190,6 +191,53 @@ TextureInfo read_texture_info(const json& parent, const char* name, const char* 
     return info;
 }
 
+// Reads the extensions that add layers to a material; none if there is none of them.
+std::optional<Layers> read_layers(const json& j)
+{
+    Layers l;
+    bool any = false;
+    const auto read = [&](const char* name) {
+        const json* e = extension(j, name);
+        if (!e) return e;
+        any = true;
+        for (const LayerTexture& texture : k_layer_textures)
+            if (std::strcmp(texture.extension, name) == 0)
+                l.*texture.info = read_texture_info(
+                    *e, texture.property, texture.info == &Layers::clearcoat_normal_texture ? "scale" : nullptr);
+        return e;
+    };
+    read("KHR_materials_transmission");
+    if (const json* e = read("KHR_materials_specular")) {
+        l.specular = real(*e, "specularFactor", 1);
+        array(*e, "specularColorFactor", l.specular_color);
+    }
+    if (const json* e = read("KHR_materials_clearcoat")) {
+        l.clearcoat = real(*e, "clearcoatFactor", 0);
+        l.clearcoat_roughness = real(*e, "clearcoatRoughnessFactor", 0);
+    }
+    if (const json* e = read("KHR_materials_sheen")) {
+        array(*e, "sheenColorFactor", l.sheen_color);
+        l.sheen_roughness = real(*e, "sheenRoughnessFactor", 0);
+    }
+    if (const json* e = read("KHR_materials_anisotropy")) {
+        l.anisotropy = real(*e, "anisotropyStrength", 0);
+        l.anisotropy_rotation = real(*e, "anisotropyRotation", 0);
+    }
+    if (const json* e = read("KHR_materials_iridescence")) {
+        l.iridescence = real(*e, "iridescenceFactor", 0);
+        l.iridescence_ior = real(*e, "iridescenceIor", 1.3f);
+        l.iridescence_thickness_least = real(*e, "iridescenceThicknessMinimum", 100);
+        l.iridescence_thickness_most = real(*e, "iridescenceThicknessMaximum", 400);
+    }
+    if (const json* e = read("KHR_materials_volume")) {
+        l.thickness = real(*e, "thicknessFactor", 0);
+        l.attenuation_distance = real(*e, "attenuationDistance", 0);
+        array(*e, "attenuationColor", l.attenuation_color);
+    }
+    if (const json* e = read("KHR_materials_dispersion")) l.dispersion = real(*e, "dispersion", 0);
+    return any ? std::optional(l) : std::nullopt;
+}
+
 Material read_material(const json& j)
 {
     Material m;
@@ -221,6 +269,7 @@ Material read_material(const json& j)
         g.specular_texture = read_texture_info(*e, "specularGlossinessTexture");
     }
     if (const json* e = extension(j, "KHR_materials_transmission")) m.transmission = real(*e, "transmissionFactor", 0);
+    m.layers = read_layers(j);
     return m;
 }
 

@@ -15,6 +15,7 @@
 #include "io/gltf/meshopt.h"
 #include "io/gltf/text.h"
 #include "io/load.h"
+#include "scene/file_surfaces.h"
 
 namespace gnomon::io {
 
@@ -311,6 +312,8 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
     materials.check_unused();
     step(0.9);
     scene.warnings = context.take_warnings();
+    scene::find_solid_blends(scene);
+    scene::find_outlines(scene);
     scene.finish();
     step(1);
     return scene;
