@@ -71,7 +71,8 @@ void RasterFrame::make_pipelines()
         vk::Pipeline(device_, ComputeDesc{.name = "surfaces",
                                           .code = {"resolve.comp", k_resolve_comp},
                                           .blocks = vk::all_blocks(vk::shared_push<ResolvePush>(),
-                                                                   gpu_scene::scene_data_blocks(), frame_block)});
+                                                                   gpu_scene::scene_data_blocks(),
+                                                                   std::vector{vk::shared_block<gpu_scene::shared::GpuLayers>("layers")}, frame_block)});
     shade_ = vk::Pipeline(
         device_,
         ComputeDesc{.name = "lights",
@@ -165,6 +166,7 @@ void RasterFrame::resolve(const ResolvePush& push)
         .binds("objects", scene_.objects)
         .binds("draws", scene_.draws)
         .binds("materials", scene_.materials)
+        .binds("layers", scene_.layers)
         .binds("textures", scene_.textures)
         .binds_texels("texels", scene_.texels, gpu_scene::GpuScene::k_texel_format)
         .binds("texcoords", scene_.texcoords)
