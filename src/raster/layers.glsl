@@ -2,7 +2,8 @@
 // What rasterised frames show of the layers of materials (src/shading/layers.cpp), as far as one diffuse and one
 // specular lobe can: specular, iridescence and transmission as they are; clearcoat as a part of the specular lobe, sheen
 // as a part of the diffuse one; absorption over the material's thickness. Anisotropy and dispersion are left out.
-// Included after surface.glsl.
+// Bodies are seen through without refraction and total reflection. Included after surface.glsl.
+#include "shading/sheen_shared.h"
 
 float pow5(float x)
 {
@@ -69,13 +70,28 @@ vec4 texel_or_one(Triangle t, GpuTextureUse use)
     return has(t, use) ? look_up(t, use) : vec4(1);
 }
 
+const float k_sheen_albedos[GNOMON_SHEEN_ROWS * GNOMON_SHEEN_COLUMNS] =
+    float[GNOMON_SHEEN_ROWS * GNOMON_SHEEN_COLUMNS](GNOMON_SHEEN_ALBEDOS);
+
+float sheen_albedo(float cosine, float roughness)
+{
+    const float down = clamp((roughness - 0.1) / 0.9, 0, 1) * float(GNOMON_SHEEN_ROWS - 1);
+    const float across = cosine * float(GNOMON_SHEEN_COLUMNS - 1);
+    const int r = min(int(down), GNOMON_SHEEN_ROWS - 2), c = min(int(across), GNOMON_SHEEN_COLUMNS - 2);
+    const int at = r * GNOMON_SHEEN_COLUMNS + c;
+    return mix(mix(k_sheen_albedos[at], k_sheen_albedos[at + 1], across - float(c)),
+               mix(k_sheen_albedos[at + GNOMON_SHEEN_COLUMNS], k_sheen_albedos[at + GNOMON_SHEEN_COLUMNS + 1],
+                   across - float(c)),
+               down - float(r));
+}
+
 void add_layers(Triangle t, uint material, inout Surface s)
 {
     if (s.model != GNOMON_MODEL_METALLIC_ROUGHNESS) return;
     const GpuMaterial m = materials.at[material];
     const GpuLayers l = layers.at[material];
     const float cosine = clamp(dot(s.normal, s.to_viewer), 0, 1);
-    s.thin = l.thin_walled != 0;
+    s.thin = true;   // light passes straight
 
     // Split the specular reflectance into the dielectric's part and the metal's, and scale the first.
     float metallic = m.metallic;
@@ -93,7 +109,7 @@ void add_layers(Triangle t, uint material, inout Surface s)
         s.ambient += s.transmitted * (1 - left);
         s.transmitted *= left;
     }
-    if (!s.thin && !s.front) s.transmitted *= exp(-l.absorption * (l.thickness * texel_or_one(t, l.thickness_texture).y));
+    if (l.thin_walled == 0 && !s.front) s.transmitted *= exp(-l.absorption * (l.thickness * texel_or_one(t, l.thickness_texture).y));
 
     const float film = l.iridescence * texel_or_one(t, l.iridescence_texture).x;
     if (film > 0) {
@@ -104,11 +120,9 @@ void add_layers(Triangle t, uint material, inout Surface s)
         s.specular = mix(s.specular, clamp((seen - rise) / (1 - rise), 0, 1), film);
     }
 
-    // Sheen reflects about as much as fibres of roughness 0.5 do [Estevez and Kulla 2017, a fit to its albedo].
     const vec3 sheen = l.sheen_color * texel_or_one(t, l.sheen_color_texture).xyz;
     if (sheen != vec3(0)) {
-        const float roughness = max(l.sheen_roughness * texel_or_one(t, l.sheen_roughness_texture).w, 0.1);
-        const float albedo = clamp(0.12 + (0.2 + 0.5 * roughness) * pow(1 - cosine, 3 - 1.5 * roughness), 0, 1);
+        const float albedo = sheen_albedo(cosine, l.sheen_roughness * texel_or_one(t, l.sheen_roughness_texture).w);
         const float left = 1 - albedo * max(sheen.x, max(sheen.y, sheen.z));
         s.diffuse = s.diffuse * left + sheen * albedo;
         s.ambient = s.ambient * left + sheen * albedo;

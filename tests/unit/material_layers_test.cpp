@@ -11,6 +11,7 @@
 #include "scene/file_surfaces.h"
 #include "scene/material_layers.h"
 #include "shading/layers.h"
+#include "shading/sheen_shared.h"
 
 namespace gnomon::shading {
 namespace {
@@ -188,6 +189,18 @@ TEST(MaterialLayers, SheenTakesWhatItReflects)
         EXPECT_NEAR(s.coverage, 1 - .5f * s.layers.sheen_albedo, 1e-5f) << angle;
     }
     EXPECT_GT(quad.at(1.4f).layers.sheen_albedo, 2 * quad.at(0).layers.sheen_albedo);
+}
+
+TEST(MaterialLayers, ShadersKnowTheAlbedoOfSheen)
+{
+    constexpr float albedos[] = {GNOMON_SHEEN_ALBEDOS};
+    static_assert(std::size(albedos) == GNOMON_SHEEN_ROWS * GNOMON_SHEEN_COLUMNS);
+    for (int r = 0; r < GNOMON_SHEEN_ROWS; ++r)
+        for (int c = 0; c < GNOMON_SHEEN_COLUMNS; ++c)
+            EXPECT_NEAR(albedos[r * GNOMON_SHEEN_COLUMNS + c],
+                        sheen_albedo(static_cast<float>(c) / (GNOMON_SHEEN_COLUMNS - 1),
+                                     .1f + .9f * static_cast<float>(r) / (GNOMON_SHEEN_ROWS - 1)),
+                        2e-4f);
 }
 
 TEST(MaterialLayers, AnisotropyWidensTheHighlightAlongTheGrain)
