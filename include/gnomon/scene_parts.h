@@ -100,27 +100,27 @@ enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 /// light meets inside. The values are those of glTF's extensions KHR_materials_specular, clearcoat, sheen, anisotropy,
 /// iridescence, transmission, volume and dispersion.
 struct MaterialLayers {
-    float specular = 1;                 // 0 to 1: scales the dielectric's reflectance
-    TextureUse specular_texture{};      // in A
-    Vec3 specular_color{1, 1, 1};       // scales its reflectance at normal incidence; may exceed 1
+    float specular = 1;              // 0 to 1: scales the dielectric's reflectance
+    TextureUse specular_texture{};   // in A
+    Vec3 specular_color{1, 1, 1};    // scales its reflectance at normal incidence; may exceed 1
     TextureUse specular_color_texture{};
 
-    float clearcoat = 0, clearcoat_roughness = 0;   // 0 to 1; a coat of index 1.5
+    float clearcoat = 0, clearcoat_roughness = 0;                    // 0 to 1; a coat of index 1.5
     TextureUse clearcoat_texture{}, clearcoat_roughness_texture{};   // in R; in G
     TextureUse clearcoat_normal_texture{};
     float clearcoat_normal_scale = 1;
 
-    Vec3 sheen_color{};          // of fibres, 0 to 1; 0: none
-    float sheen_roughness = 0;   // 0 to 1
+    Vec3 sheen_color{};                                            // of fibres, 0 to 1; 0: none
+    float sheen_roughness = 0;                                     // 0 to 1
     TextureUse sheen_color_texture{}, sheen_roughness_texture{};   // the second in A
 
-    float anisotropy = 0;            // 0 to 1: how much wider highlights are along the grain
-    float anisotropy_rotation = 0;   // of the grain from the tangent, radians, counter-clockwise
+    float anisotropy = 0;              // 0 to 1: how much wider highlights are along the grain
+    float anisotropy_rotation = 0;     // of the grain from the tangent, radians, counter-clockwise
     TextureUse anisotropy_texture{};   // direction in RG, strength in B
 
-    float iridescence = 0;   // 0 to 1: of a thin film
-    TextureUse iridescence_texture{};   // in R
-    float iridescence_ior = 1.3f;       // of the film, 1 or more
+    float iridescence = 0;                                                       // 0 to 1: of a thin film
+    TextureUse iridescence_texture{};                                            // in R
+    float iridescence_ior = 1.3f;                                                // of the thin film, 1 or more
     float iridescence_thickness_least = 100, iridescence_thickness_most = 400;   // nanometres
     TextureUse iridescence_thickness_texture{};   // in G: from the least to the most; none: the most
 

@@ -154,9 +154,9 @@ std::shared_ptr<const scene::MaterialLayers> layers_to_scene(const MaterialLayer
     require_range(m.anisotropy, 0, 1, owner, "anisotropy");
     require_range(m.anisotropy_rotation, -k_any, k_any, owner, "the rotation of anisotropy");
     require_range(m.iridescence, 0, 1, owner, "iridescence");
-    require_range(m.iridescence_ior, 1, k_any, owner, "the film's index of refraction");
-    require_range(m.iridescence_thickness_least, 0, k_any, owner, "the film's thickness");
-    require_range(m.iridescence_thickness_most, 0, k_any, owner, "the film's thickness");
+    require_range(m.iridescence_ior, 1, k_any, owner, "the thin film's index of refraction");
+    require_range(m.iridescence_thickness_least, 0, k_any, owner, "the thin film's thickness");
+    require_range(m.iridescence_thickness_most, 0, k_any, owner, "the thin film's thickness");
     require_range(m.thickness, 0, k_any, owner, "the thickness");
     require_range(m.attenuation_distance, 0, std::numeric_limits<float>::max(), owner, "the attenuation distance");
     require_range(m.dispersion, 0, k_any, owner, "dispersion");

@@ -16,8 +16,8 @@ namespace gnomon::gpu_scene {
 namespace {
 
 using shared::GpuDraw;
-using shared::GpuLight;
 using shared::GpuLayers;
+using shared::GpuLight;
 using shared::GpuMaterial;
 using shared::GpuObject;
 using shared::GpuTexture;

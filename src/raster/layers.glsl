@@ -37,24 +37,24 @@ vec3 sensitivity(float path, vec3 shift)
 }
 
 // As thin_film_reflectance in src/shading/layers.cpp.
-vec3 thin_film_reflectance(vec3 f0, float cosine, float film_ior, float nanometres)
+vec3 thin_film_reflectance(vec3 f0, float cosine, float thin_film_ior, float nanometres)
 {
     const float k_pi = 3.14159265358979;
     const float t = clamp(nanometres / 0.03, 0, 1);
-    const float film = mix(1, film_ior, t * t * (3 - 2 * t));
-    const float sine2 = (1 - cosine * cosine) / (film * film);
+    const float thin_film = mix(1, thin_film_ior, t * t * (3 - 2 * t));
+    const float sine2 = (1 - cosine * cosine) / (thin_film * thin_film);
     if (sine2 > 1) return vec3(1);
     const float cos_inside = sqrt(1 - sine2);
-    const float first = schlick_scalar(f0_of(film, 1), cosine), through = 1 - first;
-    const float first_shift = film < 1 ? 0 : k_pi;
+    const float first = schlick_scalar(f0_of(thin_film, 1), cosine), through = 1 - first;
+    const float first_shift = thin_film < 1 ? 0 : k_pi;
     vec3 second, shift;
     for (int c = 0; c < 3; ++c) {
         const float root = sqrt(clamp(f0[c], 0, 0.9999));
         const float base = (1 + root) / (1 - root);
-        second[c] = schlick_scalar(f0_of(base, film), cos_inside);
-        shift[c] = first_shift + (base < film ? k_pi : 0);
+        second[c] = schlick_scalar(f0_of(base, thin_film), cos_inside);
+        shift[c] = first_shift + (base < thin_film ? k_pi : 0);
     }
-    const float path = 2 * film * nanometres * cos_inside;
+    const float path = 2 * thin_film * nanometres * cos_inside;
     const vec3 both = clamp(first * second, 1e-5, 0.9999), amplitude = sqrt(both);
     const vec3 rest = through * through * second / (vec3(1) - both);
     vec3 result = vec3(first) + rest, harmonic = rest - vec3(through);
@@ -111,13 +111,13 @@ void add_layers(Triangle t, uint material, inout Surface s)
     }
     if (l.thin_walled == 0 && !s.front) s.transmitted *= exp(-l.absorption * (l.thickness * texel_or_one(t, l.thickness_texture).y));
 
-    const float film = l.iridescence * texel_or_one(t, l.iridescence_texture).x;
-    if (film > 0) {
+    const float thin_film = l.iridescence * texel_or_one(t, l.iridescence_texture).x;
+    if (thin_film > 0) {
         const float thickness = mix(l.iridescence_thickness_least, l.iridescence_thickness_most,
                                     texel_or_one(t, l.iridescence_thickness_texture).y);
         const float rise = min(pow5(1 - cosine), 0.9999);
         const vec3 seen = thin_film_reflectance(s.specular, cosine, l.iridescence_ior, thickness);
-        s.specular = mix(s.specular, clamp((seen - rise) / (1 - rise), 0, 1), film);
+        s.specular = mix(s.specular, clamp((seen - rise) / (1 - rise), 0, 1), thin_film);
     }
 
     const vec3 sheen = l.sheen_color * texel_or_one(t, l.sheen_color_texture).xyz;

@@ -19,13 +19,14 @@ void ThinnedShadows::fill(vk::Commands& commands, const GBuffer& surfaces, std::
                           const vk::Image& visibility)
 {
     others_->fill(commands, surfaces, first, count, visibility);
-    const vk::Buffer positions = commands.read_back(surfaces.position), geometric = commands.read_back(surfaces.geometric),
-                     ids = commands.read_back(surfaces.ids);
+    const vk::Buffer positions = commands.read_back(surfaces.position),
+                     geometric = commands.read_back(surfaces.geometric), ids = commands.read_back(surfaces.ids);
     std::vector<vk::Buffer> layers;
     for (std::uint32_t l = 0; l < count; ++l) layers.push_back(commands.read_back(visibility, l));
     commands.submit();
 
-    const auto width = static_cast<std::size_t>(visibility.width()), height = static_cast<std::size_t>(visibility.height());
+    const auto width = static_cast<std::size_t>(visibility.width()),
+               height = static_cast<std::size_t>(visibility.height());
     const std::size_t pixels = width * height;
     const std::size_t stride = (pixels + 3) / 4 * 4;   // offsets of copies are multiples of four bytes
     std::vector<std::uint8_t> lit(stride * count);

@@ -4,9 +4,9 @@
 // through multiplies the visibility.
 //
 // The surfaces of the image are read back, one ray is traced from each of them to each light that it sees, and the
-// product is sent to the device. The rays are those of the traced frame, so that both frames agree; light is not tinted,
-// because visibility has one channel. Only scenes with such surfaces use it. Cost: a read-back for each layer and
-// batch of lights, and a ray per lit pixel and light.
+// product is sent to the device. The rays are those of the traced frame, so that both frames agree; light is not
+// tinted, because visibility has one channel. Only scenes with such surfaces use it. Cost: a read-back for each layer
+// and batch of lights, and a ray per lit pixel and light.
 
 #include <memory>
 

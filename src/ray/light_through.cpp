@@ -19,8 +19,7 @@ glm::vec3 let_through(const scene::Scene& scene, const scene::Mesh& mesh, const 
     };
     glm::vec4 base(material.base_color, material.alpha);
     base *= look_up(material.base_color_texture);
-    if (!mesh.colors.empty())
-        base *= w * mesh.colors[index[0]] + u * mesh.colors[index[1]] + v * mesh.colors[index[2]];
+    if (!mesh.colors.empty()) base *= w * mesh.colors[index[0]] + u * mesh.colors[index[1]] + v * mesh.colors[index[2]];
     const float covered = material.alpha_mode == scene::AlphaMode::blend ? std::clamp(base.w, 0.0f, 1.0f) : 1;
     if (!(material.transmission > 0)) return glm::vec3(1 - covered);
 

@@ -8,7 +8,8 @@
 
 namespace gnomon::ray {
 
-/// The part of light that passes at a point of a triangle, per channel, 0 to 1. Textures are sampled at full resolution.
+/// The part of light that passes at a point of a triangle, per channel, 0 to 1. Textures are sampled at full
+/// resolution.
 /// @param material  the triangle's; scene::thins_light()
 glm::vec3 let_through(const scene::Scene& scene, const scene::Mesh& mesh, const scene::Material& material,
                       std::uint32_t triangle, float u, float v);

@@ -343,8 +343,7 @@ void ReferencePaths::pass_transparent()
         if (!scene::thins_light(material)) return false;
         const scene::Scene& scene = light_.state_.scene();
         const scene::Mesh& mesh = scene.meshes[scene.objects[hits_.object[r]].mesh];
-        const glm::vec3 passes =
-            ray::let_through(scene, mesh, material, hits_.triangle[r], hits_.u[r], hits_.v[r]);
+        const glm::vec3 passes = ray::let_through(scene, mesh, material, hits_.triangle[r], hits_.u[r], hits_.v[r]);
         const float chance = std::max({passes.x, passes.y, passes.z});
         Path& path = paths_[ray_path_[r]];
         if (!(path.random.uniform() < chance)) return true;

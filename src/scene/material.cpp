@@ -38,9 +38,8 @@ glm::vec3 MaterialLayers::absorption() const
 bool same_values(const MaterialLayers& a, const MaterialLayers& b)
 {
     const auto same = [&](const auto& members) {
-        return std::ranges::all_of(members, [&](const auto member) {
-            return same_bits(std::array{a.*member}, std::array{b.*member});
-        });
+        return std::ranges::all_of(
+            members, [&](const auto member) { return same_bits(std::array{a.*member}, std::array{b.*member}); });
     };
     return a.thin_walled == b.thin_walled && same(k_layer_numbers) && same(k_layer_colors) && same(k_layer_textures);
 }

@@ -47,9 +47,9 @@ struct Material {
     float occlusion_strength = 1;
     glm::vec3 emissive{0};   // strength already multiplied in
     TextureUse emissive_texture;
-    float transmission = 0;   // glass; refracts with `ior` unless the layers say that it is thin
+    float transmission = 0;                         // glass; refracts with `ior` unless the layers say that it is thin
     std::shared_ptr<const MaterialLayers> layers;   // material_layers.h; null: none
-    bool outline = false;   // of an inverted hull: drawn, but casts no shadow
+    bool outline = false;                           // of an inverted hull: drawn, but casts no shadow
 
     // AFF [aff-format, `fm`]
     glm::vec3 ambient{0};

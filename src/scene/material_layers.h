@@ -15,9 +15,9 @@ namespace gnomon::scene {
 
 struct MaterialLayers {
     // The dielectric's specular lobe: reflectance at normal incidence and at grazing angles.
-    float specular = 1;           // scales both
-    TextureUse specular_texture;  // in A
-    glm::vec3 specular_color{1};  // scales the first; may exceed 1
+    float specular = 1;            // scales both
+    TextureUse specular_texture;   // in A
+    glm::vec3 specular_color{1};   // scales the first; may exceed 1
     TextureUse specular_color_texture;
 
     // A dielectric coat of index 1.5 above everything else.
@@ -60,34 +60,29 @@ struct MaterialLayers {
 };
 
 /// The members of MaterialLayers by kind: one table for those who copy, compare or hash them.
-inline constexpr float MaterialLayers::* k_layer_numbers[] = {&MaterialLayers::specular,
-                                                              &MaterialLayers::clearcoat,
-                                                              &MaterialLayers::clearcoat_roughness,
-                                                              &MaterialLayers::clearcoat_normal_scale,
-                                                              &MaterialLayers::sheen_roughness,
-                                                              &MaterialLayers::anisotropy,
-                                                              &MaterialLayers::anisotropy_rotation,
-                                                              &MaterialLayers::iridescence,
-                                                              &MaterialLayers::iridescence_ior,
-                                                              &MaterialLayers::iridescence_thickness_least,
-                                                              &MaterialLayers::iridescence_thickness_most,
-                                                              &MaterialLayers::thickness,
-                                                              &MaterialLayers::attenuation_distance,
-                                                              &MaterialLayers::dispersion};
-inline constexpr glm::vec3 MaterialLayers::* k_layer_colors[] = {
+inline constexpr float MaterialLayers::*k_layer_numbers[] = {&MaterialLayers::specular,
+                                                             &MaterialLayers::clearcoat,
+                                                             &MaterialLayers::clearcoat_roughness,
+                                                             &MaterialLayers::clearcoat_normal_scale,
+                                                             &MaterialLayers::sheen_roughness,
+                                                             &MaterialLayers::anisotropy,
+                                                             &MaterialLayers::anisotropy_rotation,
+                                                             &MaterialLayers::iridescence,
+                                                             &MaterialLayers::iridescence_ior,
+                                                             &MaterialLayers::iridescence_thickness_least,
+                                                             &MaterialLayers::iridescence_thickness_most,
+                                                             &MaterialLayers::thickness,
+                                                             &MaterialLayers::attenuation_distance,
+                                                             &MaterialLayers::dispersion};
+inline constexpr glm::vec3 MaterialLayers::*k_layer_colors[] = {
     &MaterialLayers::specular_color, &MaterialLayers::sheen_color, &MaterialLayers::attenuation_color};
-inline constexpr TextureUse MaterialLayers::* k_layer_textures[] = {&MaterialLayers::specular_texture,
-                                                                    &MaterialLayers::specular_color_texture,
-                                                                    &MaterialLayers::clearcoat_texture,
-                                                                    &MaterialLayers::clearcoat_roughness_texture,
-                                                                    &MaterialLayers::clearcoat_normal_texture,
-                                                                    &MaterialLayers::sheen_color_texture,
-                                                                    &MaterialLayers::sheen_roughness_texture,
-                                                                    &MaterialLayers::anisotropy_texture,
-                                                                    &MaterialLayers::iridescence_texture,
-                                                                    &MaterialLayers::iridescence_thickness_texture,
-                                                                    &MaterialLayers::transmission_texture,
-                                                                    &MaterialLayers::thickness_texture};
+inline constexpr TextureUse MaterialLayers::*k_layer_textures[] = {
+    &MaterialLayers::specular_texture,         &MaterialLayers::specular_color_texture,
+    &MaterialLayers::clearcoat_texture,        &MaterialLayers::clearcoat_roughness_texture,
+    &MaterialLayers::clearcoat_normal_texture, &MaterialLayers::sheen_color_texture,
+    &MaterialLayers::sheen_roughness_texture,  &MaterialLayers::anisotropy_texture,
+    &MaterialLayers::iridescence_texture,      &MaterialLayers::iridescence_thickness_texture,
+    &MaterialLayers::transmission_texture,     &MaterialLayers::thickness_texture};
 
 /// Whether two blocks have the same values, bit for bit.
 bool same_values(const MaterialLayers& a, const MaterialLayers& b);

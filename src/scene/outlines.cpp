@@ -81,7 +81,8 @@ bool looks_inwards(const Mesh& mesh, const MeshPart& part)
             ++passes, sum += a < b ? 1 : -1;
             piece[root(a)] = root(b);
         }
-    if (std::any_of(edges.begin(), edges.end(), [](const auto& e) { return e.second != std::pair(2, 0); })) return false;
+    if (std::any_of(edges.begin(), edges.end(), [](const auto& e) { return e.second != std::pair(2, 0); }))
+        return false;
 
     // Sum the signed volume of each piece, from a vertex of its own.
     std::map<std::uint32_t, double> volume;

@@ -49,7 +49,8 @@ class Holes {
     using Range = std::pair<int, int>;   // first, past the last
     static Range texels(float low, float high, int size, Wrap wrap)
     {
-        const double a = std::floor(static_cast<double>(low) * size - 0.5), b = std::ceil(static_cast<double>(high) * size + 0.5);
+        const double a = std::floor(static_cast<double>(low) * size - 0.5),
+                     b = std::ceil(static_cast<double>(high) * size + 0.5);
         if (!(b - a < size) || !(std::abs(a) < 1e9)) return {0, size};
         if (wrap == Wrap::clamp) {
             const int first = std::clamp(static_cast<int>(a), 0, size - 1);
@@ -67,7 +68,8 @@ class Holes {
     std::uint32_t count(int left, int top, int right, int bottom) const
     {
         const auto at = [&](int x, int y) {
-            return sums_[(static_cast<std::size_t>(width_) + 1) * static_cast<std::size_t>(y) + static_cast<std::size_t>(x)];
+            return sums_[(static_cast<std::size_t>(width_) + 1) * static_cast<std::size_t>(y) +
+                         static_cast<std::size_t>(x)];
         };
         return at(right, bottom) - at(left, bottom) - at(right, top) + at(left, top);
     }
@@ -113,7 +115,8 @@ void find_solid_blends(Scene& scene, const std::vector<bool>& keep)
                     continue;
                 if (of_texture && of_texture->any()) {
                     const auto& at = mesh.texcoords[use.texcoord];
-                    const glm::vec2 a = use.apply(at[index[0]]), b = use.apply(at[index[1]]), c = use.apply(at[index[2]]);
+                    const glm::vec2 a = use.apply(at[index[0]]), b = use.apply(at[index[1]]),
+                                    c = use.apply(at[index[2]]);
                     if (of_texture->between(glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c)))) continue;
                 }
                 if (solid.empty()) solid.resize(mesh.triangles.size());

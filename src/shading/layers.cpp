@@ -9,12 +9,12 @@ namespace gnomon::shading {
 namespace {
 
 constexpr auto k_float_pi = static_cast<float>(k_pi);
-constexpr float k_min_alpha = 2e-3f;          // as in shading.cpp
-constexpr float k_coat_f0 = 0.04f;            // of index 1.5
-constexpr float k_least_sheen = 0.1f;         // roughness: below it, the lobe is a line at the horizon
-constexpr float k_sharp_roughness = 0.04f;    // up to here, transmission is sharp
-constexpr int k_rough_rays = 16;              // of a rough surface
-constexpr float k_ray_gap = 0.5f;             // growth of a rough ray's cone, per the angle between the rays
+constexpr float k_min_alpha = 2e-3f;         // as in shading.cpp
+constexpr float k_coat_f0 = 0.04f;           // of index 1.5
+constexpr float k_least_sheen = 0.1f;        // roughness: below it, the lobe is a line at the horizon
+constexpr float k_sharp_roughness = 0.04f;   // up to here, transmission is sharp
+constexpr int k_rough_rays = 16;             // of a rough surface
+constexpr float k_ray_gap = 0.5f;            // growth of a rough ray's cone, per the angle between the rays
 
 float pow5(float x)
 {
@@ -72,7 +72,10 @@ class SheenTable {
 
  private:
     static constexpr int k_side = 16, k_strata = 64;
-    static float roughness_of(int row) { return k_least_sheen + (1 - k_least_sheen) * static_cast<float>(row) / (k_side - 1); }
+    static float roughness_of(int row)
+    {
+        return k_least_sheen + (1 - k_least_sheen) * static_cast<float>(row) / (k_side - 1);
+    }
     static float integrate(float n_v, float roughness)
     {
         const glm::vec3 view(std::sqrt(1 - n_v * n_v), 0, n_v);
@@ -104,8 +107,8 @@ glm::vec3 sensitivity(float path_nanometres, const glm::vec3& shift)
                      width[] = {4.3278e+09, 9.3046e+09, 6.6121e+09};
     double xyz[3];
     for (int i = 0; i < 3; ++i)
-        xyz[i] = value[i] * std::sqrt(2 * k_pi * width[i]) * std::cos(place[i] * phase + static_cast<double>(shift[i])) *
-                 std::exp(-phase * phase * width[i]);
+        xyz[i] = value[i] * std::sqrt(2 * k_pi * width[i]) *
+                 std::cos(place[i] * phase + static_cast<double>(shift[i])) * std::exp(-phase * phase * width[i]);
     constexpr double k_second_width = 4.5282e+09;
     xyz[0] += 9.7470e-14 * std::sqrt(2 * k_pi * k_second_width) *
               std::cos(2.2399e+06 * phase + static_cast<double>(shift.x)) * std::exp(-k_second_width * phase * phase);
@@ -182,8 +185,8 @@ glm::vec3 reflect_layers(const SurfacePoint& s, const glm::vec3& to_light)
     if (layers.coat > 0) {
         const float n_l = glm::dot(layers.coat_normal, to_light);
         if (n_l > 0)
-            result +=
-                glm::vec3(layers.coat * ggx_lobe(layers.coat_normal, s.to_viewer, to_light, layers.coat_roughness) * n_l);
+            result += glm::vec3(layers.coat *
+                                ggx_lobe(layers.coat_normal, s.to_viewer, to_light, layers.coat_roughness) * n_l);
     }
     if (layers.sheen != glm::vec3(0)) {
         const float n_l = glm::dot(s.normal, to_light), n_v = std::max(glm::dot(s.normal, s.to_viewer), 1e-4f);
@@ -228,28 +231,28 @@ glm::vec3 mirror_normal(const SurfacePoint& s)
     return glm::dot(result, s.to_viewer) > 1e-3f ? result : s.normal;
 }
 
-glm::vec3 thin_film_reflectance(const glm::vec3& f0, float cosine, float film_ior, float nanometres)
+glm::vec3 thin_film_reflectance(const glm::vec3& f0, float cosine, float thin_film_ior, float nanometres)
 {
-    // A film that vanishes is air.
+    // A thin film that vanishes is air.
     const float t = std::clamp(nanometres / 0.03f, 0.0f, 1.0f);
-    const float film = glm::mix(1.0f, film_ior, t * t * (3 - 2 * t));
-    const float sine2 = (1 - cosine * cosine) / (film * film);
+    const float thin_film = glm::mix(1.0f, thin_film_ior, t * t * (3 - 2 * t));
+    const float sine2 = (1 - cosine * cosine) / (thin_film * thin_film);
     if (sine2 > 1) return glm::vec3(1);
     const float cos_inside = std::sqrt(1 - sine2);
 
-    // Reflectances and phase shifts of the film's two sides.
-    const float first = schlick(f0_of(film, 1), cosine), through = 1 - first;
-    const float first_shift = film < 1 ? 0 : k_float_pi;   // seen from inside
+    // Reflectances and phase shifts of the thin film's two sides.
+    const float first = schlick(f0_of(thin_film, 1), cosine), through = 1 - first;
+    const float first_shift = thin_film < 1 ? 0 : k_float_pi;   // seen from inside
     glm::vec3 second, shift;
     for (int c = 0; c < 3; ++c) {
         const float root = std::sqrt(std::clamp(f0[c], 0.0f, 0.9999f));
         const float base = (1 + root) / (1 - root);
-        second[c] = schlick(f0_of(base, film), cos_inside);
-        shift[c] = first_shift + (base < film ? k_float_pi : 0);
+        second[c] = schlick(f0_of(base, thin_film), cos_inside);
+        shift[c] = first_shift + (base < thin_film ? k_float_pi : 0);
     }
 
     // Sum the reflections between them: the constant part, and two harmonics of the path difference.
-    const float path = 2 * film * nanometres * cos_inside;
+    const float path = 2 * thin_film * nanometres * cos_inside;
     const glm::vec3 both = glm::clamp(first * second, 1e-5f, 0.9999f), amplitude = glm::sqrt(both);
     const glm::vec3 rest = through * through * second / (glm::vec3(1) - both);
     glm::vec3 result = glm::vec3(first) + rest, harmonic = rest - glm::vec3(through);
@@ -281,12 +284,12 @@ void find_transmitted(const SurfacePoint& s, const Continuation& next, bool spli
         const float ior = s.ior + half_spread * static_cast<float>(channel - 1);
         const std::size_t first = rays.size();
         for (int i = 0; i < count; ++i)
-            if (const glm::vec3 direction = bent(s, rough ? microfacet(s, i) : s.normal, ior); direction != glm::vec3(0))
+            if (const glm::vec3 direction = bent(s, rough ? microfacet(s, i) : s.normal, ior);
+                direction != glm::vec3(0))
                 rays.push_back({direction, part, spread});
         if (rays.size() == first) rays.push_back({next.refracted, part, spread});
         // Facets that let no light through leave theirs to the others.
-        for (std::size_t r = first; r < rays.size(); ++r)
-            rays[r].part /= static_cast<float>(rays.size() - first);
+        for (std::size_t r = first; r < rays.size(); ++r) rays[r].part /= static_cast<float>(rays.size() - first);
     }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Layers of metallic-roughness surfaces: clearcoat, sheen, thin films, brushed metal, and transmission through rough and
-// thin surfaces (scene/material_layers.h). Formulas: Khronos glTF 2.0, extensions KHR_materials_clearcoat, sheen,
+// Layers of metallic-roughness surfaces: clearcoat, sheen, thin films, brushed metal, and transmission through rough
+// and thin surfaces (scene/material_layers.h). Formulas: Khronos glTF 2.0, extensions KHR_materials_clearcoat, sheen,
 // iridescence, anisotropy, transmission, volume and dispersion.
 //
 // What a layer takes from those below depends on the view alone, so that it is one factor, SurfacePoint::coverage, for
@@ -33,8 +33,8 @@ float sheen_albedo(float cosine, float roughness);
 /// Reflectance of a surface below a thin film [Belcour and Barla 2017], per channel, 0 to 1.
 /// @param f0          of the surface, at normal incidence
 /// @param cosine      of the view
-/// @param nanometres  the film's thickness
-glm::vec3 thin_film_reflectance(const glm::vec3& f0, float cosine, float film_ior, float nanometres);
+/// @param nanometres  the thin film's thickness
+glm::vec3 thin_film_reflectance(const glm::vec3& f0, float cosine, float thin_film_ior, float nanometres);
 
 /// A ray through a layered surface, and the part of Continuation::refracted_weight that it carries.
 struct TransmittedRay {

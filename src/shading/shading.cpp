@@ -80,7 +80,8 @@ float traced_part(float roughness)
     return 1 - t * t * (3 - 2 * t);
 }
 
-// The dielectric's Fresnel reflectance, between the surface's own reflectance at normal incidence and at grazing angles.
+// The dielectric's Fresnel reflectance, between the surface's own reflectance at normal incidence and at grazing
+// angles.
 glm::vec3 scaled_fresnel(const SurfacePoint& s, float fresnel)
 {
     const float root = (s.ior - 1) / (s.ior + 1), f0 = root * root;

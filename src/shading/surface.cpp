@@ -203,20 +203,22 @@ glm::vec3 tangent_of(const scene::TextureUse& use, const TextureFrame& frame, co
 void fill_layers(const scene::MaterialLayers& m, const TextureFrame& frame, const glm::vec3 (&p)[3],
                  const glm::vec3& coat_normal, SurfacePoint& s)
 {
-    const auto channel = [&](const scene::TextureUse& use, int i) { return frame.has(use) ? frame.look_up(use)[i] : 1; };
+    const auto channel = [&](const scene::TextureUse& use, int i) {
+        return frame.has(use) ? frame.look_up(use)[i] : 1;
+    };
     LayerPoint& layers = s.layers;
     s.layered = true;
     const float cosine = std::clamp(glm::dot(s.normal, s.to_viewer), 0.0f, 1.0f);
 
     // A thin film changes the reflectance of the base.
-    if (const float film = m.iridescence * channel(m.iridescence_texture, 0); film > 0) {
+    if (const float thin_film = m.iridescence * channel(m.iridescence_texture, 0); thin_film > 0) {
         const float thickness = glm::mix(m.iridescence_thickness_least, m.iridescence_thickness_most,
                                          channel(m.iridescence_thickness_texture, 1));
         const glm::vec3 seen = thin_film_reflectance(s.specular, cosine, m.iridescence_ior, thickness);
         // The reflectance at normal incidence from which Schlick's approximation makes it.
         const float x = 1 - cosine, rise = std::min(x * x * x * x * x, 0.9999f);
         const glm::vec3 f0 = glm::clamp((seen - s.f90 * rise) / (1 - rise), 0.0f, 1.0f);
-        s.specular = glm::mix(s.specular, f0, film);
+        s.specular = glm::mix(s.specular, f0, thin_film);
     }
     if (m.anisotropy > 0) {
         glm::vec2 way(1, 0);
@@ -242,7 +244,8 @@ void fill_layers(const scene::MaterialLayers& m, const TextureFrame& frame, cons
     float below_coat = alpha;
     if (const float coat = m.clearcoat * channel(m.clearcoat_texture, 0); coat > 0) {
         layers.coat_normal = coat_normal;
-        layers.coat_roughness = std::clamp(m.clearcoat_roughness * channel(m.clearcoat_roughness_texture, 1), 0.0f, 1.0f);
+        layers.coat_roughness =
+            std::clamp(m.clearcoat_roughness * channel(m.clearcoat_roughness_texture, 1), 0.0f, 1.0f);
         const float mirrored = coat * coat_fresnel(glm::dot(coat_normal, s.to_viewer));
         layers.coat = alpha * mirrored;
         below_coat = alpha * (1 - mirrored);
@@ -297,7 +300,8 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
     TextureFrame frame{scene, mesh, index, u, v};
     if (is_textured(material)) find_footprint(p, double_area, s.geometric_normal, direction, s.cone.width, frame);
     const glm::vec3 smooth_normal = s.normal;
-    if (frame.has(material.normal_texture)) s.normal = mapped_normal(material.normal_texture, material.normal_scale, frame, p, s.normal, s.front);
+    if (frame.has(material.normal_texture))
+        s.normal = mapped_normal(material.normal_texture, material.normal_scale, frame, p, s.normal, s.front);
 
     // Bend a shading normal that looks away from the viewer back to the horizon.
     s.normal = to_viewers_side(s, s.normal);

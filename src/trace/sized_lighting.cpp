@@ -64,8 +64,7 @@ void SizedLighting::light(const PointBatch& batch, const std::function<void(cons
                 }
             }
             if (passing_.any()) {
-                const glm::vec3 passes =
-                    passing_.from_light(s, batch.shadow_points[asked_[k]].origin, light);
+                const glm::vec3 passes = passing_.from_light(s, batch.shadow_points[asked_[k]].origin, light);
                 light_here.irradiance *= passes, light_here.lobe *= passes;
             }
             glm::vec3 radiance(0);

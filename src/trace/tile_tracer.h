@@ -98,8 +98,8 @@ class TileTracer {
     std::vector<shadow_culling::ShadowPoint> shadow_points_;
     std::vector<glm::vec3> normals_;
     std::vector<std::uint32_t> lit_;   // points that the present light reaches
-    bool thins_light_ = false;          // surfaces let a part of light through
-    std::vector<glm::vec3> passes_;     // by lit point, with such surfaces
+    bool thins_light_ = false;         // surfaces let a part of light through
+    std::vector<glm::vec3> passes_;    // by lit point, with such surfaces
     ray::RayQueue passing_;
     std::vector<shading::TransmittedRay> transmitted_;
     IndirectResult arrives_;

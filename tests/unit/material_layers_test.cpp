@@ -99,8 +99,9 @@ double albedo(const SurfacePoint& s)
 TEST(MaterialLayers, SpecularScalesTheReflectanceAtNormalIncidence)
 {
     const std::string base = R"("roughnessFactor":0,"metallicFactor":0)";
-    const Quad quad(extension("KHR_materials_specular", R"("specularFactor":0.5,"specularColorFactor":[1,0.5,2])", base),
-                    "KHR_materials_specular");
+    const Quad quad(
+        extension("KHR_materials_specular", R"("specularFactor":0.5,"specularColorFactor":[1,0.5,2])", base),
+        "KHR_materials_specular");
     const glm::vec3 seen = continue_from(quad.at()).reflected_weight;
     EXPECT_NEAR(seen.x, .04f * .5f, 1e-5f);
     EXPECT_NEAR(seen.y, .04f * .25f, 1e-5f);
@@ -119,18 +120,19 @@ TEST(MaterialLayers, SpecularScalesTheReflectanceAtNormalIncidence)
 TEST(MaterialLayers, TexturesOfSpecularAreReadFromTheirChannels)
 {
     // Alpha is 51/255 in the left texel and 255/255 in the right one; red 188 is a linear 0.5.
-    const Quad quad(extension("KHR_materials_specular",
-                              R"("specularTexture":{"index":0},"specularColorTexture":{"index":0})",
-                              R"("roughnessFactor":0,"metallicFactor":0)"),
-                    "KHR_materials_specular", "bcffff33bcffffff");
+    const Quad quad(
+        extension("KHR_materials_specular", R"("specularTexture":{"index":0},"specularColorTexture":{"index":0})",
+                  R"("roughnessFactor":0,"metallicFactor":0)"),
+        "KHR_materials_specular", "bcffff33bcffffff");
     EXPECT_NEAR(continue_from(quad.at(0, false, {-.5f, 0})).reflected_weight.y, .04f * .2f, 1e-4f);
     EXPECT_NEAR(continue_from(quad.at(0, false, {.5f, 0})).reflected_weight.y, .04f, 1e-4f);
     EXPECT_NEAR(continue_from(quad.at(0, false, {.5f, 0})).reflected_weight.x, .04f * .5f, 2e-4f);
     // A transform of the texture moves its right texel to the left.
-    const Quad moved(extension("KHR_materials_specular",
-                               R"("specularTexture":{"index":0,"extensions":{"KHR_texture_transform":{"offset":[0.5,0]}}})",
-                               R"("roughnessFactor":0,"metallicFactor":0)"),
-                     "KHR_materials_specular KHR_texture_transform", "bcffff33bcffffff");
+    const Quad moved(
+        extension("KHR_materials_specular",
+                  R"("specularTexture":{"index":0,"extensions":{"KHR_texture_transform":{"offset":[0.5,0]}}})",
+                  R"("roughnessFactor":0,"metallicFactor":0)"),
+        "KHR_materials_specular KHR_texture_transform", "bcffff33bcffffff");
     EXPECT_NEAR(continue_from(moved.at(0, false, {-.5f, 0})).reflected_weight.y, .04f, 1e-4f);
 }
 
@@ -141,9 +143,9 @@ TEST(MaterialLayers, ClearcoatAddsItsHighlightAndTakesThatFromTheBase)
                               fmt::format(R"("clearcoatFactor":{},"clearcoatRoughnessFactor":{})", coat, roughness),
                               R"("baseColorFactor":[0.5,0.5,0.5,1],"metallicFactor":0)"),
                     "KHR_materials_clearcoat");
-    const Quad bare(extension("KHR_materials_ior", R"("ior":1.5)",
-                              R"("baseColorFactor":[0.5,0.5,0.5,1],"metallicFactor":0)"),
-                    "KHR_materials_ior");
+    const Quad bare(
+        extension("KHR_materials_ior", R"("ior":1.5)", R"("baseColorFactor":[0.5,0.5,0.5,1],"metallicFactor":0)"),
+        "KHR_materials_ior");
     const glm::vec3 above(0, 0, 1);
     // At normal incidence: D = 1 / (pi a^2), V = 1/4, F = 0.04.
     const float alpha = roughness * roughness;
@@ -151,9 +153,9 @@ TEST(MaterialLayers, ClearcoatAddsItsHighlightAndTakesThatFromTheBase)
     const float expected = coat * .04f * lobe + (1 - coat * .04f) * reflect_light(bare.at(), above, glm::vec3(1)).x;
     EXPECT_NEAR(reflect_light(quad.at(), above, glm::vec3(1)).x, expected, 1e-4f);
     // A smooth coat mirrors beside the rough base.
-    const Quad smooth(extension("KHR_materials_clearcoat", R"("clearcoatFactor":1)",
-                                R"("roughnessFactor":1,"metallicFactor":0)"),
-                      "KHR_materials_clearcoat");
+    const Quad smooth(
+        extension("KHR_materials_clearcoat", R"("clearcoatFactor":1)", R"("roughnessFactor":1,"metallicFactor":0)"),
+        "KHR_materials_clearcoat");
     EXPECT_NEAR(continue_from(smooth.at()).reflected_weight.x, .04f, 1e-5f);
     EXPECT_GT(continue_from(smooth.at(1.5f)).reflected_weight.x, .6f);
 }
@@ -161,9 +163,9 @@ TEST(MaterialLayers, ClearcoatAddsItsHighlightAndTakesThatFromTheBase)
 TEST(MaterialLayers, ClearcoatHasNormalsOfItsOwn)
 {
     // Red 255, green and blue 128: the normal points along u.
-    const Quad quad(extension("KHR_materials_clearcoat",
-                              R"("clearcoatFactor":1,"clearcoatNormalTexture":{"index":0,"scale":0.5})"),
-                    "KHR_materials_clearcoat", "ff80ffffff80ffff");
+    const Quad quad(
+        extension("KHR_materials_clearcoat", R"("clearcoatFactor":1,"clearcoatNormalTexture":{"index":0,"scale":0.5})"),
+        "KHR_materials_clearcoat", "ff80ffffff80ffff");
     const SurfacePoint s = quad.at();
     EXPECT_NEAR(s.normal.z, 1, 1e-4f);
     EXPECT_NEAR(s.layers.coat_normal.x / s.layers.coat_normal.z, .5f, .01f);
@@ -221,8 +223,7 @@ TEST(MaterialLayers, AnisotropyWidensTheHighlightAlongTheGrain)
     };
     const glm::vec3 h = glm::normalize(along + glm::vec3(0, 0, 1)), g = glm::normalize(across + glm::vec3(0, 0, 1));
     const float ratio = distribution(h, wide, alpha) / distribution(g, wide, alpha);
-    const float seen =
-        reflect_light(s, along, glm::vec3(1)).x / reflect_light(s, across, glm::vec3(1)).x;
+    const float seen = reflect_light(s, along, glm::vec3(1)).x / reflect_light(s, across, glm::vec3(1)).x;
     EXPECT_GT(seen, 5);
     EXPECT_NEAR(seen / ratio, 1, .35f);
     // Turned by a quarter, it is the other way round.
@@ -230,29 +231,29 @@ TEST(MaterialLayers, AnisotropyWidensTheHighlightAlongTheGrain)
     EXPECT_NEAR(reflect_light(turned.at(), across, glm::vec3(1)).x, reflect_light(s, along, glm::vec3(1)).x, 1e-3f);
 }
 
-// The reflectance of a film at one wavelength by Airy's sum, at normal incidence.
-double airy(double film, double base, double nanometres, double wavelength)
+// The reflectance of a thin film at one wavelength by Airy's sum, at normal incidence.
+double airy(double thin_film, double base, double nanometres, double wavelength)
 {
-    const double a = (1 - film) / (1 + film), b = (film - base) / (film + base);
-    const double phase = 4 * k_pi * film * nanometres / wavelength;
+    const double a = (1 - thin_film) / (1 + thin_film), b = (thin_film - base) / (thin_film + base);
+    const double phase = 4 * k_pi * thin_film * nanometres / wavelength;
     return (a * a + b * b + 2 * a * b * std::cos(phase)) / (1 + a * a * b * b + 2 * a * b * std::cos(phase));
 }
 
 TEST(MaterialLayers, ThinFilmsReflectAsAiryPrescribes)
 {
     const glm::vec3 f0(.5f);
-    const double root = std::sqrt(.5), base = (1 + root) / (1 - root), film = 1.4;
-    // No film: the base. A thick film: the mean over wavelengths, without interference.
+    const double root = std::sqrt(.5), base = (1 + root) / (1 - root), thin_film = 1.4;
+    // No thin film: the base. A thick thin film: the mean over wavelengths, without interference.
     const glm::vec3 none = thin_film_reflectance(f0, 1, 1.4f, 0);
     EXPECT_NEAR(none.x, .5f, 5e-3f);
     const glm::vec3 thick = thin_film_reflectance(f0, 1, 1.4f, 60'000);
     double mean = 0;
-    for (int i = 0; i < 10'000; ++i) mean += airy(film, base, 60'000, 400 + .03 * i) / 10'000;
+    for (int i = 0; i < 10'000; ++i) mean += airy(thin_film, base, 60'000, 400 + .03 * i) / 10'000;
     EXPECT_NEAR(thick.y, mean, .01);
     // Thin films, at the wavelengths where the eye's green and red are most sensitive.
     for (const double nanometres : {80.0, 100.0, 150.0, 200.0}) {
         double green = 0;
-        for (int i = -20; i <= 20; ++i) green += airy(film, base, nanometres, 545 + 1.5 * i) / 41;
+        for (int i = -20; i <= 20; ++i) green += airy(thin_film, base, nanometres, 545 + 1.5 * i) / 41;
         EXPECT_NEAR(thin_film_reflectance(f0, 1, 1.4f, static_cast<float>(nanometres)).y, green, .12) << nanometres;
     }
 }
@@ -260,16 +261,16 @@ TEST(MaterialLayers, ThinFilmsReflectAsAiryPrescribes)
 TEST(MaterialLayers, IridescenceColoursTheReflection)
 {
     const auto material = [](int nanometres) {
-        return extension("KHR_materials_iridescence",
-                         fmt::format(R"("iridescenceFactor":1,"iridescenceIor":1.4,"iridescenceThicknessMaximum":{})",
-                                     nanometres),
-                         R"("roughnessFactor":0,"baseColorFactor":[0.5,0.5,0.5,1])");
+        return extension(
+            "KHR_materials_iridescence",
+            fmt::format(R"("iridescenceFactor":1,"iridescenceIor":1.4,"iridescenceThicknessMaximum":{})", nanometres),
+            R"("roughnessFactor":0,"baseColorFactor":[0.5,0.5,0.5,1])");
     };
     for (const int nanometres : {150, 350}) {
         const Quad quad(material(nanometres), "KHR_materials_iridescence");
         const glm::vec3 seen = continue_from(quad.at()).reflected_weight;
-        const glm::vec3 film = thin_film_reflectance(glm::vec3(.5f), 1, 1.4f, static_cast<float>(nanometres));
-        for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen[c], film[c], 1e-3f) << nanometres;
+        const glm::vec3 thin_film = thin_film_reflectance(glm::vec3(.5f), 1, 1.4f, static_cast<float>(nanometres));
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(seen[c], thin_film[c], 1e-3f) << nanometres;
         EXPECT_GT(std::max({seen.x, seen.y, seen.z}) / std::min({seen.x, seen.y, seen.z}), 1.2f) << nanometres;
     }
 }
@@ -410,11 +411,12 @@ TEST(ThinningSurfaces, LetThroughWhatAlphaAndColourLeave)
     const Quad sheet(extension("KHR_materials_transmission", R"("transmissionFactor":1)",
                                R"("metallicFactor":0,"baseColorFactor":[1,0.5,0.25,1])"),
                      "KHR_materials_transmission");
-    for (const auto& [quad, expected] : {std::pair(&blend, glm::vec3(.75f)), std::pair(&sheet, glm::vec3(1, .5f, .25f))}) {
+    for (const auto& [quad, expected] :
+         {std::pair(&blend, glm::vec3(.75f)), std::pair(&sheet, glm::vec3(1, .5f, .25f))}) {
         EXPECT_TRUE(quad->rays().thins_light());
         ray::RayQueue queue;
         for (int i = 0; i < 40; ++i) queue.push({-.9f + .045f * static_cast<float>(i), .1f, 1}, 0, {0, 0, -2}, 1);
-        queue.push({2, 0, 1}, 0, {0, 0, -2}, 1);        // beside it
+        queue.push({2, 0, 1}, 0, {0, 0, -2}, 1);          // beside it
         queue.push({0.1f, .3f, 1}, 0, {0, 0, -2}, .4f);   // ends before it
         std::vector<glm::vec3> passes(queue.size());
         quad->rays().let_through(queue, 0, queue.size(), passes.data());

@@ -326,12 +326,12 @@ void Materials::use_layers(const Material& material, const std::string& pointer,
     to.attenuation_distance = l.attenuation_distance, to.attenuation_color = color(l.attenuation_color);
     static_assert(std::size(k_layer_textures) == std::size(scene::k_layer_textures));
     constexpr scene::TextureUse scene::MaterialLayers::*targets[] = {
-        &scene::MaterialLayers::specular_texture,       &scene::MaterialLayers::specular_color_texture,
-        &scene::MaterialLayers::clearcoat_texture,      &scene::MaterialLayers::clearcoat_roughness_texture,
+        &scene::MaterialLayers::specular_texture,         &scene::MaterialLayers::specular_color_texture,
+        &scene::MaterialLayers::clearcoat_texture,        &scene::MaterialLayers::clearcoat_roughness_texture,
         &scene::MaterialLayers::clearcoat_normal_texture, &scene::MaterialLayers::sheen_color_texture,
-        &scene::MaterialLayers::sheen_roughness_texture, &scene::MaterialLayers::anisotropy_texture,
-        &scene::MaterialLayers::iridescence_texture,    &scene::MaterialLayers::iridescence_thickness_texture,
-        &scene::MaterialLayers::transmission_texture,   &scene::MaterialLayers::thickness_texture};
+        &scene::MaterialLayers::sheen_roughness_texture,  &scene::MaterialLayers::anisotropy_texture,
+        &scene::MaterialLayers::iridescence_texture,      &scene::MaterialLayers::iridescence_thickness_texture,
+        &scene::MaterialLayers::transmission_texture,     &scene::MaterialLayers::thickness_texture};
     for (std::size_t i = 0; i < std::size(targets); ++i) {
         const LayerTexture& from = k_layer_textures[i];
         const bool srgb = from.info == &Layers::specular_color_texture || from.info == &Layers::sheen_color_texture;

@@ -143,7 +143,8 @@ void RayScene::let_through(const RayQueue& rays, std::size_t begin, std::size_t 
             hits.clear();
             thin_packet(in.width, tree->get(), context, rays, at, count);
             // Multiply in the order of the surfaces' numbers, each once.
-            std::sort(hits.begin(), hits.end(), [](const ThinHit& a, const ThinHit& b) { return a.place() < b.place(); });
+            std::sort(hits.begin(), hits.end(),
+                      [](const ThinHit& a, const ThinHit& b) { return a.place() < b.place(); });
             const auto past = std::unique(hits.begin(), hits.end(),
                                           [](const ThinHit& a, const ThinHit& b) { return a.place() == b.place(); });
             for (auto hit = hits.begin(); hit != past; ++hit) to[at - begin + hit->ray] *= hit->passes;
