@@ -155,9 +155,12 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
         }
         const glm::vec3 weight = (1 - highlight) * point.next.unresolved_weight + highlight * s.coverage * albedo;
         if (weight != glm::vec3(0))
-            radiance +=
-                weight * light.light().blurred(point.next.reflected, s.roughness) *
-                light.light().visible_share(point.next.reflected, s.roughness, s.geometric_normal, s.normal, seen);
+            radiance += weight * light.light().seen_by({.to_viewer = s.to_viewer,
+                                                        .mirrored = point.next.reflected,
+                                                        .normal = s.normal,
+                                                        .geometric_normal = s.geometric_normal,
+                                                        .roughness = s.roughness},
+                                                       seen);
         if (passing_.any() && radiance != glm::vec3(0))
             radiance *= passing_.from_cells(s, batch.shadow_points[asked_[k]].origin, light.visibility().cells(), seen);
         add(point, radiance);
