@@ -29,6 +29,8 @@ constexpr std::array k_supported = {"KHR_lights_punctual",
                                     "KHR_materials_pbrSpecularGlossiness",
                                     "KHR_materials_variants",
                                     "EXT_mesh_gpu_instancing",
+                                    "KHR_node_visibility",
+                                    "KHR_animation_pointer",
                                     "KHR_draco_mesh_compression",
                                     "EXT_texture_webp",
                                     "EXT_meshopt_compression"};

@@ -120,6 +120,8 @@ bool format_fits(const Accessor& accessor, Path path)
             return accessor.shape == Shape::vec4 && fraction;
         case Path::weights:
             return accessor.shape == Shape::scalar && fraction;
+        case Path::visibility:
+            return accessor.shape == Shape::scalar && accessor.component == Component::u8 && !accessor.normalized;
         default:
             return true;
     }
@@ -179,7 +181,8 @@ void check_animation(const Model& model, Index index, Uses& uses, Context& conte
 
         const Node& node = model.nodes[channel.node];
         const bool moves = channel.path != Path::weights;
-        if (moves && node.matrix) context.fail(target, "the node has a matrix, which cannot be animated");
+        if (moves && channel.path != Path::visibility && node.matrix)
+            context.fail(target, "the node has a matrix, which cannot be animated");
         const std::size_t targets =
             node.mesh == k_absent ? 0 : model.meshes[node.mesh].primitives.front().targets.size();
         if (!moves && targets == 0) {

@@ -193,6 +193,7 @@ struct Node {
     std::optional<std::array<double, 4>> rotation;   // x y z w
     std::optional<std::vector<float>> weights;
     std::optional<Attributes> instances;   // EXT_mesh_gpu_instancing
+    bool visible = true;                   // KHR_node_visibility; with everything below
 };
 
 struct Skin {
@@ -201,7 +202,7 @@ struct Skin {
     std::vector<Index> joints;
 };
 
-enum class Path : std::uint8_t { translation, rotation, scale, weights, pointer, unknown };
+enum class Path : std::uint8_t { translation, rotation, scale, weights, visibility, pointer, unknown };
 enum class Interpolation : std::uint8_t { linear, step, cubic_spline, unknown };
 
 struct Channel {
@@ -209,7 +210,8 @@ struct Channel {
     Index node = k_absent;
     Path path = Path::unknown;
     std::string path_word;
-    bool has_pointer = false;
+    bool has_pointer = false;   // KHR_animation_pointer, to something that is not a property of a node
+    std::string pointer;
 };
 
 struct AnimationSampler {

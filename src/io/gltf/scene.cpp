@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -215,6 +216,9 @@ void build_scene(const Model& model, const Data& data, const std::vector<Index>&
         const scene::NodeId id =
             out.add_node(source.name, above == k_absent ? scene::none : ids[above], local_matrix(source));
         ids[index] = id;
+        if (!source.visible)
+            out.nodes[id].visibility = std::make_shared<scene::VisibilityTrack>(
+                scene::VisibilityTrack{{std::numeric_limits<double>::lowest()}, {false}});
         interruption_point();
         stack.insert(stack.end(), source.children.rbegin(), source.children.rend());
 
