@@ -96,6 +96,45 @@ enum class ShadingModel : std::uint8_t { metallic_roughness, whitted, unlit };
 /// What alpha means: nothing; where the surface is cut out (`mask`); how much it covers of what is behind (`blend`).
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 
+/// What a metallic-roughness material may have beside its base: layers above it, a specular lobe of its own, and what
+/// light meets inside. The values are those of glTF's extensions KHR_materials_specular, clearcoat, sheen, anisotropy,
+/// iridescence, transmission, volume and dispersion.
+struct MaterialLayers {
+    float specular = 1;              // 0 to 1: scales the dielectric's reflectance
+    TextureUse specular_texture{};   // in A
+    Vec3 specular_color{1, 1, 1};    // scales its reflectance at normal incidence; may exceed 1
+    TextureUse specular_color_texture{};
+
+    float clearcoat = 0, clearcoat_roughness = 0;                    // 0 to 1; a coat of index 1.5
+    TextureUse clearcoat_texture{}, clearcoat_roughness_texture{};   // in R; in G
+    TextureUse clearcoat_normal_texture{};
+    float clearcoat_normal_scale = 1;
+
+    Vec3 sheen_color{};                                            // of fibres, 0 to 1; 0: none
+    float sheen_roughness = 0;                                     // 0 to 1
+    TextureUse sheen_color_texture{}, sheen_roughness_texture{};   // the second in A
+
+    float anisotropy = 0;              // 0 to 1: how much wider highlights are along the grain
+    float anisotropy_rotation = 0;     // of the grain from the tangent, radians, counter-clockwise
+    TextureUse anisotropy_texture{};   // direction in RG, strength in B
+
+    float iridescence = 0;                                                       // 0 to 1: of a thin film
+    TextureUse iridescence_texture{};                                            // in R
+    float iridescence_ior = 1.3f;                                                // of the thin film, 1 or more
+    float iridescence_thickness_least = 100, iridescence_thickness_most = 400;   // nanometres
+    TextureUse iridescence_thickness_texture{};   // in G: from the least to the most; none: the most
+
+    TextureUse transmission_texture{};   // in R
+    bool thin_walled = false;            // light passes without refraction, tinted by the base colour
+    float thickness = 0;                 // of the body, metres; used where refracted rays are not traced
+    TextureUse thickness_texture{};      // in G
+    Vec3 attenuation_color{1, 1, 1};     // 0 to 1: white light after `attenuation_distance` inside
+    float attenuation_distance = 0;      // metres; 0: nothing is absorbed
+    float dispersion = 0;                // 20 divided by the Abbe number
+
+    friend bool operator==(const MaterialLayers&, const MaterialLayers&) = default;
+};
+
 /// A surface: glTF 2.0's metallic-roughness model, or the model of Whitted that the scenes of BART have. Colours are
 /// linear.
 struct Material {
@@ -117,13 +156,16 @@ struct Material {
     float occlusion_strength = 1;
     Vec3 emissive{};   // radiance in nits
     TextureUse emissive_texture{};
-    float transmission = 0;   // 0 to 1: glass, which refracts by `ior`
+    float transmission = 0;   // 0 to 1: glass, which refracts by `ior` unless its layers say that it is thin
     float ior = 1.5f;         // index of refraction inside; of both models
 
     // whitted
     Vec3 ambient{}, specular{};   // specular: of highlights and reflections
     float shine = 0;              // exponent of highlights; 0: none
     float transmittance = 0;      // 0 to 1
+
+    std::optional<MaterialLayers> layers{};   // metallic_roughness
+    bool outline = false;   // of an inverted hull, drawn around a body as its outline: it casts no shadow
 
     friend bool operator==(const Material&, const Material&) = default;
 };

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 
 #include "base/one_line.h"
 #include "gnomon/error.h"
 #include "gnomon/ranges.h"
+#include "scene/material_layers.h"
 
 namespace gnomon::api {
 
@@ -69,6 +71,48 @@ constexpr TexturePair k_textures[] = {
     {&Material::occlusion_texture, &scene::Material::occlusion_texture},
     {&Material::emissive_texture, &scene::Material::emissive_texture}};
 
+struct LayerTexturePair {
+    TextureUse MaterialLayers::*outer;
+    scene::TextureUse scene::MaterialLayers::*inner;
+};
+constexpr LayerTexturePair k_layer_textures[] = {
+    {&MaterialLayers::specular_texture, &scene::MaterialLayers::specular_texture},
+    {&MaterialLayers::specular_color_texture, &scene::MaterialLayers::specular_color_texture},
+    {&MaterialLayers::clearcoat_texture, &scene::MaterialLayers::clearcoat_texture},
+    {&MaterialLayers::clearcoat_roughness_texture, &scene::MaterialLayers::clearcoat_roughness_texture},
+    {&MaterialLayers::clearcoat_normal_texture, &scene::MaterialLayers::clearcoat_normal_texture},
+    {&MaterialLayers::sheen_color_texture, &scene::MaterialLayers::sheen_color_texture},
+    {&MaterialLayers::sheen_roughness_texture, &scene::MaterialLayers::sheen_roughness_texture},
+    {&MaterialLayers::anisotropy_texture, &scene::MaterialLayers::anisotropy_texture},
+    {&MaterialLayers::iridescence_texture, &scene::MaterialLayers::iridescence_texture},
+    {&MaterialLayers::iridescence_thickness_texture, &scene::MaterialLayers::iridescence_thickness_texture},
+    {&MaterialLayers::transmission_texture, &scene::MaterialLayers::transmission_texture},
+    {&MaterialLayers::thickness_texture, &scene::MaterialLayers::thickness_texture}};
+static_assert(std::size(k_layer_textures) == std::size(scene::k_layer_textures));
+
+template <class From, class To>
+void copy_layer_values(const From& from, To& to)
+{
+    to.specular = from.specular;
+    to.specular_color = vec(from.specular_color);
+    to.clearcoat = from.clearcoat;
+    to.clearcoat_roughness = from.clearcoat_roughness;
+    to.clearcoat_normal_scale = from.clearcoat_normal_scale;
+    to.sheen_color = vec(from.sheen_color);
+    to.sheen_roughness = from.sheen_roughness;
+    to.anisotropy = from.anisotropy;
+    to.anisotropy_rotation = from.anisotropy_rotation;
+    to.iridescence = from.iridescence;
+    to.iridescence_ior = from.iridescence_ior;
+    to.iridescence_thickness_least = from.iridescence_thickness_least;
+    to.iridescence_thickness_most = from.iridescence_thickness_most;
+    to.thin_walled = from.thin_walled;
+    to.thickness = from.thickness;
+    to.attenuation_color = vec(from.attenuation_color);
+    to.attenuation_distance = from.attenuation_distance;
+    to.dispersion = from.dispersion;
+}
+
 // Copies what both sides' materials call by the same name, and mean by it.
 template <class From, class To>
 void copy_values(const From& from, To& to)
@@ -89,9 +133,38 @@ void copy_values(const From& from, To& to)
     to.ior = from.ior;
     to.shine = from.shine;
     to.transmittance = from.transmittance;
+    to.outline = from.outline;
 }
 
 constexpr double k_any = 1e9;   // upper limit of numbers that have none by their meaning
+
+std::shared_ptr<const scene::MaterialLayers> layers_to_scene(const MaterialLayers& m, const SceneStamps& stamps,
+                                                             const std::string& owner)
+{
+    require_color(m.specular_color, owner, "the specular colour of the layers");
+    require_color(m.sheen_color, owner, "the sheen colour");
+    require_color(m.attenuation_color, owner, "the attenuation colour");
+    for (const float value : {m.sheen_color.x, m.sheen_color.y, m.sheen_color.z})
+        require_range(value, 0, 1, owner, "the sheen colour");
+    require_range(m.specular, 0, 1, owner, "specular");
+    require_range(m.clearcoat, 0, 1, owner, "clearcoat");
+    require_range(m.clearcoat_roughness, 0, 1, owner, "the roughness of the clearcoat");
+    require_range(m.clearcoat_normal_scale, -k_any, k_any, owner, "the scale of the clearcoat's normals");
+    require_range(m.sheen_roughness, 0, 1, owner, "the roughness of the sheen");
+    require_range(m.anisotropy, 0, 1, owner, "anisotropy");
+    require_range(m.anisotropy_rotation, -k_any, k_any, owner, "the rotation of anisotropy");
+    require_range(m.iridescence, 0, 1, owner, "iridescence");
+    require_range(m.iridescence_ior, 1, k_any, owner, "the thin film's index of refraction");
+    require_range(m.iridescence_thickness_least, 0, k_any, owner, "the thin film's thickness");
+    require_range(m.iridescence_thickness_most, 0, k_any, owner, "the thin film's thickness");
+    require_range(m.thickness, 0, k_any, owner, "the thickness");
+    require_range(m.attenuation_distance, 0, std::numeric_limits<float>::max(), owner, "the attenuation distance");
+    require_range(m.dispersion, 0, k_any, owner, "dispersion");
+    scene::MaterialLayers result;
+    copy_layer_values(m, result);
+    for (const auto& [outer, inner] : k_layer_textures) result.*inner = to_scene(m.*outer, stamps, owner);
+    return std::make_shared<const scene::MaterialLayers>(std::move(result));
+}
 
 }   // namespace
 
@@ -154,6 +227,7 @@ scene::Material to_scene(const Material& m, const SceneStamps& stamps)
     result.model = static_cast<scene::ShadingModel>(m.model);
     result.alpha_mode = static_cast<scene::AlphaMode>(m.alpha_mode);
     for (const auto& [outer, inner] : k_textures) result.*inner = to_scene(m.*outer, stamps, owner);
+    if (m.layers) result.layers = layers_to_scene(*m.layers, stamps, owner);
     return result;
 }
 
@@ -164,6 +238,11 @@ Material from_scene(const scene::Material& m, const SceneStamps& stamps)
     result.model = static_cast<ShadingModel>(m.model);
     result.alpha_mode = static_cast<AlphaMode>(m.alpha_mode);
     for (const auto& [outer, inner] : k_textures) result.*outer = from_scene(m.*inner, stamps);
+    if (m.layers) {
+        MaterialLayers& layers = result.layers.emplace();
+        copy_layer_values(*m.layers, layers);
+        for (const auto& [outer, inner] : k_layer_textures) layers.*outer = from_scene(*m.layers.*inner, stamps);
+    }
     return result;
 }
 

@@ -426,8 +426,7 @@ void SceneBuilder::remove(const TextureId& id)
     Impl& in = impl();
     const scene::TextureId texture = api::require(in.stamps.textures, id, "the texture");
     for (const scene::Material& m : in.scene.materials)
-        for (const scene::TextureUse* use : {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
-                                             &m.occlusion_texture, &m.emissive_texture})
+        for (const scene::TextureUse* use : scene::texture_uses(m))
             if (use->texture == texture)
                 throw UsageError("a material uses the texture: it cannot be removed before the material");
     in.scene.textures.replace(texture, scene::Texture("", Image8(1, 1, 1), false, {}));

@@ -11,6 +11,7 @@
 #include "raster/raster_frame.h"
 #include "raster/redrawn_overlay.h"
 #include "raster/shadow_visibility.h"
+#include "raster/thinned_shadows.h"
 #include "raster/visible_bounce.h"
 #endif
 
@@ -62,7 +63,11 @@ class VulkanRasterizer final : public Rasterizer {
         shadows.look_up.as_printed = settings.as_printed;
         auto visibility = std::make_unique<raster::ShadowVisibility>(device_, state, shadows);
         views_ = &visibility->views();
-        frame_.set_visibility(std::move(visibility));
+        if (settings.rays && settings.tasks && settings.rays->thins_light())
+            frame_.set_visibility(std::make_unique<raster::ThinnedShadows>(device_, *settings.rays, *settings.tasks,
+                                                                           std::move(visibility)));
+        else
+            frame_.set_visibility(std::move(visibility));
     }
     void update(const scene::SceneState& state) override { frame_.update(state); }
     FrameCounters render(const scene::SceneState& state, const scene::View& view, shading::FrameBuffers& out,

@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "gnomon/error.h"
+#include "scene/material_layers.h"
 
 namespace gnomon::gpu_scene {
 
@@ -52,11 +53,43 @@ shared::GpuMaterial convert(const scene::Material& m)
     g.occlusion_strength = m.occlusion_strength;
     g.model = static_cast<std::uint32_t>(m.model);
     g.alpha_mode = static_cast<std::uint32_t>(m.alpha_mode);
+    g.layered = m.layers ? 1 : 0;
     g.base_color_texture = convert_use(m.base_color_texture);
     g.metallic_roughness_texture = convert_use(m.metallic_roughness_texture);
     g.normal_texture = convert_use(m.normal_texture);
     g.occlusion_texture = convert_use(m.occlusion_texture);
     g.emissive_texture = convert_use(m.emissive_texture);
+    return g;
+}
+
+shared::GpuLayers convert_layers(const scene::Material& material)
+{
+    shared::GpuLayers g{};
+    if (!material.layers) return g;
+    const scene::MaterialLayers& m = *material.layers;
+    g.specular_color = m.specular_color;
+    g.specular = m.specular;
+    g.sheen_color = m.sheen_color;
+    g.sheen_roughness = m.sheen_roughness;
+    g.absorption = m.absorption();
+    g.thickness = m.thickness;
+    g.clearcoat = m.clearcoat;
+    g.clearcoat_roughness = m.clearcoat_roughness;
+    g.iridescence = m.iridescence;
+    g.iridescence_ior = m.iridescence_ior;
+    g.iridescence_thickness_least = m.iridescence_thickness_least;
+    g.iridescence_thickness_most = m.iridescence_thickness_most;
+    g.thin_walled = m.thin_walled ? 1 : 0;
+    g.specular_texture = convert_use(m.specular_texture);
+    g.specular_color_texture = convert_use(m.specular_color_texture);
+    g.clearcoat_texture = convert_use(m.clearcoat_texture);
+    g.clearcoat_roughness_texture = convert_use(m.clearcoat_roughness_texture);
+    g.sheen_color_texture = convert_use(m.sheen_color_texture);
+    g.sheen_roughness_texture = convert_use(m.sheen_roughness_texture);
+    g.iridescence_texture = convert_use(m.iridescence_texture);
+    g.iridescence_thickness_texture = convert_use(m.iridescence_thickness_texture);
+    g.transmission_texture = convert_use(m.transmission_texture);
+    g.thickness_texture = convert_use(m.thickness_texture);
     return g;
 }
 

@@ -7,6 +7,8 @@
 
 namespace gnomon::gpu_scene {
 
+/// Of a material without layers: zeros.
+shared::GpuLayers convert_layers(const scene::Material& material);
 shared::GpuMaterial convert(const scene::Material& material);
 shared::GpuLight convert(const scene::Light& light, const scene::LightState& state);
 

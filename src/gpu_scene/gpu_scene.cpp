@@ -16,6 +16,7 @@ namespace gnomon::gpu_scene {
 namespace {
 
 using shared::GpuDraw;
+using shared::GpuLayers;
 using shared::GpuLight;
 using shared::GpuMaterial;
 using shared::GpuObject;
@@ -124,6 +125,8 @@ void GpuScene::lay_out(const scene::SceneState& state, std::vector<vk::Upload>& 
 
     std::vector<GpuMaterial> all_materials;
     for (const scene::Material& material : scene.materials) all_materials.push_back(convert(material));
+    std::vector<GpuLayers> all_layers;
+    for (const scene::Material& material : scene.materials) all_layers.push_back(convert_layers(material));
     TexelPool pool = convert(scene.textures);
     for (std::size_t l = 0; l < scene.lights.size(); ++l)
         lights_host_.push_back(convert(scene.lights[l], state.light(static_cast<scene::LightId>(l))));
@@ -144,6 +147,7 @@ void GpuScene::lay_out(const scene::SceneState& state, std::vector<vk::Upload>& 
     make(objects, "objects", objects_host_);
     make(draws, "draws", draws_host_);
     make(materials, "materials", all_materials);
+    make(layers, "material layers", all_layers);
     make(textures, "textures", pool.textures);
     make(texels, "texels", pool.halves);
     if (pool.halves.empty())
@@ -278,7 +282,12 @@ void GpuScene::update(vk::Commands& commands, const scene::SceneState& state)
     std::vector<GpuMaterial> changed_materials;
     for (const scene::MaterialId m : changes.materials_changed)
         changed_materials.push_back(convert(scene_->materials[m]));
+    std::vector<GpuLayers> changed_layers;
+    for (const scene::MaterialId m : changes.materials_changed)
+        changed_layers.push_back(convert_layers(scene_->materials[m]));
     for (std::size_t i = 0; i < changed_materials.size(); ++i) {
+        uploads.push_back(vk::upload_of(layers, std::span<const GpuLayers>(&changed_layers[i], 1),
+                                        changes.materials_changed[i] * sizeof(GpuLayers)));
         uploads.push_back(vk::upload_of(materials, std::span<const GpuMaterial>(&changed_materials[i], 1),
                                         changes.materials_changed[i] * sizeof(GpuMaterial)));
         ++counts_.touched;

@@ -60,7 +60,24 @@ struct GpuMaterial {
     float shine, transmittance, transmission, ior;
     float normal_scale, occlusion_strength;
     uint model, alpha_mode;
+    uint layered;   // its GpuLayers counts
     GpuTextureUse base_color_texture, metallic_roughness_texture, normal_texture, occlusion_texture, emissive_texture;
+};
+
+/// What rasterised frames use of scene::MaterialLayers; one for each material.
+struct GpuLayers {
+    vec3 specular_color;
+    float specular;
+    vec3 sheen_color;
+    float sheen_roughness;
+    vec3 absorption;   // per metre
+    float thickness;
+    float clearcoat, clearcoat_roughness;
+    float iridescence, iridescence_ior, iridescence_thickness_least, iridescence_thickness_most;
+    uint thin_walled;
+    GpuTextureUse specular_texture, specular_color_texture, clearcoat_texture, clearcoat_roughness_texture,
+        sheen_color_texture, sheen_roughness_texture, iridescence_texture, iridescence_thickness_texture,
+        transmission_texture, thickness_texture;
 };
 
 #define GNOMON_MAX_LEVELS 16
@@ -116,8 +133,13 @@ GNOMON_MEMBERS(GpuObject, to_world, normal_x, normal_y, normal_z, shown, mirrore
 GNOMON_MEMBERS(GpuDraw, object, material, first_triangle, count, centre, extent)
 GNOMON_MEMBERS(GpuTextureUse, texture, texcoord, offset, scale, rotation_cos, rotation_sin)
 GNOMON_MEMBERS(GpuMaterial, base_color, alpha, emissive, alpha_cutoff, ambient, metallic, specular, roughness, shine,
-               transmittance, transmission, ior, normal_scale, occlusion_strength, model, alpha_mode,
+               transmittance, transmission, ior, normal_scale, occlusion_strength, model, alpha_mode, layered,
                base_color_texture, metallic_roughness_texture, normal_texture, occlusion_texture, emissive_texture)
+GNOMON_MEMBERS(GpuLayers, specular_color, specular, sheen_color, sheen_roughness, absorption, thickness, clearcoat,
+               clearcoat_roughness, iridescence, iridescence_ior, iridescence_thickness_least,
+               iridescence_thickness_most, thin_walled, specular_texture, specular_color_texture, clearcoat_texture,
+               clearcoat_roughness_texture, sheen_color_texture, sheen_roughness_texture, iridescence_texture,
+               iridescence_thickness_texture, transmission_texture, thickness_texture)
 GNOMON_MEMBERS(GpuTexture, width, height, levels, wrap_u, wrap_v, magnify, minify, first)
 GNOMON_MEMBERS(GpuLight, color, type, position, range, direction, shown, cos_inner, cos_outer, constant_falloff,
                cosine_profile, of_environment)

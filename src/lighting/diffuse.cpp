@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lighting/diffuse.h"
 
+#include "scene/material_layers.h"
+
 namespace gnomon::lighting {
 
 glm::vec3 exitance_per_irradiance(const scene::Scene& scene, const ray::ObjectGeometry& geometry,
@@ -24,7 +26,10 @@ glm::vec3 exitance_per_irradiance(const scene::Scene& scene, const ray::ObjectGe
         diffuse *= glm::vec3(w * mesh.colors[index[0]] + u * mesh.colors[index[1]] + v * mesh.colors[index[2]]);
     float metallic = material.metallic;
     if (has(material.metallic_roughness_texture)) metallic *= look_up(material.metallic_roughness_texture).z;
-    return diffuse * ((1 - metallic) * (1 - material.transmission));
+    float transmission = material.transmission;
+    if (material.layers && has(material.layers->transmission_texture))
+        transmission *= look_up(material.layers->transmission_texture).x;
+    return diffuse * ((1 - metallic) * (1 - transmission));
 }
 
 glm::vec3 albedo(const scene::Scene& scene, const ray::ObjectGeometry& geometry, std::uint32_t triangle, float u,

@@ -67,11 +67,12 @@ void RasterFrame::make_pipelines()
                                                .colors = {k_id_format},
                                                .depth = k_depth_format,
                                                .blocks = vk::all_blocks(draw_push, gpu_scene::draw_blocks())});
-    resolve_ =
-        vk::Pipeline(device_, ComputeDesc{.name = "surfaces",
-                                          .code = {"resolve.comp", k_resolve_comp},
-                                          .blocks = vk::all_blocks(vk::shared_push<ResolvePush>(),
-                                                                   gpu_scene::scene_data_blocks(), frame_block)});
+    resolve_ = vk::Pipeline(
+        device_, ComputeDesc{.name = "surfaces",
+                             .code = {"resolve.comp", k_resolve_comp},
+                             .blocks = vk::all_blocks(
+                                 vk::shared_push<ResolvePush>(), gpu_scene::scene_data_blocks(),
+                                 std::vector{vk::shared_block<gpu_scene::shared::GpuLayers>("layers")}, frame_block)});
     shade_ = vk::Pipeline(
         device_,
         ComputeDesc{.name = "lights",
@@ -165,6 +166,7 @@ void RasterFrame::resolve(const ResolvePush& push)
         .binds("objects", scene_.objects)
         .binds("draws", scene_.draws)
         .binds("materials", scene_.materials)
+        .binds("layers", scene_.layers)
         .binds("textures", scene_.textures)
         .binds_texels("texels", scene_.texels, gpu_scene::GpuScene::k_texel_format)
         .binds("texcoords", scene_.texcoords)

@@ -35,11 +35,13 @@ layout(binding = 19, rgba32f) uniform writeonly image2D g_geometric;   // w: cov
 layout(binding = 20, rgba32f) uniform writeonly image2D g_diffuse;     // w: shading model
 layout(binding = 21, rgba32f) uniform writeonly image2D g_specular;    // w: index behind over before, of what refracts; else 0
 layout(binding = 22, rg32ui) uniform writeonly uimage2D g_ids;         // object + 1 (0: nothing), triangle of the mesh
+layout(binding = 23, scalar) readonly buffer Layers { GpuLayers at[]; } layers;
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
 
 #include "raster/background.glsl"
 #include "raster/mirror.glsl"
 #include "raster/surface.glsl"
+#include "raster/layers.glsl"
 
 // Mirrored light of rough surfaces, taken from the background alone (Continuation::unresolved_weight).
 vec3 unresolved_mirror(Surface s)
@@ -69,10 +71,10 @@ vec3 ambient_light(Surface s)
 // Weight of the surfaces straight behind.
 vec3 passes(Surface s)
 {
-    vec3 result = vec3(1 - s.coverage);
+    vec3 result = vec3(s.uncovered);
     if (s.transmitted != vec3(0)) {
         const float cosine = clamp(dot(s.normal, s.to_viewer), 0, 1);
-        const float fresnel = fresnel_dielectric(cosine, s.front ? s.ior : 1 / s.ior);
+        const float fresnel = fresnel_dielectric(cosine, s.front || s.thin ? s.ior : 1 / s.ior);
         result += s.coverage * s.transmitted * (1 - fresnel);
     }
     return result;
@@ -119,7 +121,9 @@ void main()
         return;
     }
     const uint draw = id.x - 1;
-    const Surface s = surface_at(draw, id.y, origin, direction, frame.pixel_width, frame.pixel_spread);
+    Triangle triangle;
+    Surface s = surface_at(draw, id.y, origin, direction, frame.pixel_width, frame.pixel_spread, triangle);
+    if (materials.at[draws.at[draw].material].layered != 0) add_layers(triangle, draws.at[draw].material, s);
 
     vec3 own = s.emissive * s.coverage;
     own += ambient_light(s) * s.coverage + unresolved_mirror(s);
@@ -130,6 +134,6 @@ void main()
     imageStore(g_normal, at, vec4(s.normal, s.roughness));
     imageStore(g_geometric, at, vec4(s.geometric_normal, s.coverage));
     imageStore(g_diffuse, at, vec4(s.diffuse, float(s.model)));
-    imageStore(g_specular, at, vec4(s.specular, s.transmitted == vec3(0) ? 0 : s.front ? s.ior : 1 / s.ior));
+    imageStore(g_specular, at, vec4(s.specular, s.transmitted == vec3(0) ? 0 : s.front || s.thin ? s.ior : 1 / s.ior));
     imageStore(g_ids, at, uvec4(draws.at[draw].object + 1, draws.at[draw].first_triangle + id.y, 0, 0));
 }

@@ -12,6 +12,8 @@ struct Surface {
     vec3 diffuse, specular, ambient, emissive, transmitted;
     float roughness;   // of metallic-roughness; else Phong's exponent
     float coverage, ior;
+    float uncovered;   // of what is straight behind
+    bool thin;
     float distance;
 };
 
@@ -100,6 +102,8 @@ void fill_material(Triangle t, GpuMaterial m, inout Surface s)
 {
     s.model = m.model;
     s.coverage = 1;
+    s.uncovered = 0;
+    s.thin = false;
     s.ior = 1;
     s.transmitted = s.ambient = s.emissive = s.diffuse = s.specular = vec3(0);
     vec4 texel = vec4(1);
@@ -135,6 +139,7 @@ void fill_material(Triangle t, GpuMaterial m, inout Surface s)
     s.emissive = m.emissive;
     if (s.emissive != vec3(0) && has(t, m.emissive_texture)) s.emissive *= look_up(t, m.emissive_texture).xyz;
     if (m.alpha_mode == GNOMON_ALPHA_BLEND) s.coverage = clamp(alpha, 0, 1);
+    s.uncovered = 1 - s.coverage;
     s.roughness = clamp(roughness, 0, 1);
     if (m.model == GNOMON_MODEL_UNLIT) {
         s.emissive = base;
@@ -172,9 +177,9 @@ void meet(inout Triangle t, vec3 origin, vec3 direction, out float distance)
 }
 
 /// @param cone_width, cone_spread  of the pixel's ray at its origin
-Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float cone_width, float cone_spread)
+Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float cone_width, float cone_spread,
+                   out Triangle t)
 {
-    Triangle t;
     t.object = draws.at[draw].object;
     const uint object = t.object;
     const uint at = objects.at[object].first_index + 3 * (draws.at[draw].first_triangle + primitive);

@@ -12,7 +12,7 @@
 //   - Surfaces reflect the fraction `diffuse`, equally in all directions, on both sides of a one-sided surface as well.
 //   - Lobes of rough surfaces (Request::glossy) reflect emissive surfaces and the background, without a bounce.
 //   - Mirrors and glass cast no light on other surfaces. A surface that does not block shadow rays does not block
-//     indirect light.
+//     indirect light; one that thins light blocks a path with the probability of what it does not let through.
 //   - All lights of the scene take part, whatever their falloff. One of them is sampled at a time, with a probability
 //   in
 //     proportion to its unshadowed contribution.
@@ -158,6 +158,8 @@ class ReferencePaths {
     void ask_lights();
     void choose_directions();
     void trace_shadows(bool to_surroundings);
+    /// What surfaces along the rays let through, in passed_.
+    void let_through(const ray::RayQueue& rays);
 
     const ReferenceLight& light_;
     ReferenceCounters counters_;
@@ -172,6 +174,7 @@ class ReferencePaths {
     ray::Hits hits_, next_hits_;
     std::vector<std::uint32_t> passing_ray_;
     std::vector<std::uint8_t> occluded_;
+    std::vector<glm::vec3> passed_;   // by ray
 };
 
 }   // namespace gnomon::reference

@@ -4,6 +4,7 @@
 
 #include "base/check.h"
 #include "base/interruption.h"
+#include "ray/light_through.h"
 #include "ray/origin.h"
 #include "reference/reference.h"
 #include "shading/glossy.h"
@@ -244,7 +245,8 @@ void ReferencePaths::ask_emitters(int bounce)
         const glm::vec3 direction = rays_.direction(r);
         Path& path = paths_[ray_path_[r]];
         const float density = solid_density(point.density, hits_.t[r], direction, s);
-        gain(path, bounce, response(path, direction) * emission / (density + own_density(path, direction)));
+        const glm::vec3 passed = light_.transparent_ ? passed_[r] : glm::vec3(1);
+        gain(path, bounce, passed * response(path, direction) * emission / (density + own_density(path, direction)));
     }
 }
 
@@ -288,8 +290,12 @@ bool ReferencePaths::trace_on(int bounce)
     if (last && !light_.emitters_ && !lobes) {
         occluded_.resize(count + ray::k_packet_pad);
         light_.rays_.occluded(rays_, 0, count, occluded_.data());
-        for (std::size_t r = 0; r < count; ++r)
-            if (!occluded_[r]) background(r);
+        if (light_.rays_.thins_light()) let_through(rays_);
+        for (std::size_t r = 0; r < count; ++r) {
+            if (occluded_[r]) continue;
+            if (light_.rays_.thins_light()) paths_[ray_path_[r]].weight *= passed_[r];
+            background(r);
+        }
         return false;
     }
 
@@ -298,6 +304,7 @@ bool ReferencePaths::trace_on(int bounce)
     if (light_.transparent_) pass_transparent();
     for (std::size_t r = 0; r < count; ++r) {
         Path& path = paths_[ray_path_[r]];
+        if (light_.transparent_) path.weight *= passed_[r];
         if (hits_.object[r] == scene::none) {
             if (light_.background_shines_ || path.glossy) background(r);
             continue;
@@ -328,13 +335,31 @@ bool ReferencePaths::trace_on(int bounce)
 // Continues rays that met a surface that does not block light, behind it.
 void ReferencePaths::pass_transparent()
 {
+    // A surface that lets a part of the light through blocks a path with the probability of the rest.
     const auto blocks = [&](std::size_t r) {
-        return hits_.object[r] == scene::none || material_of(r).surface_class() != scene::SurfaceClass::transparent;
+        if (hits_.object[r] == scene::none) return true;
+        const scene::Material& material = material_of(r);
+        if (material.surface_class() != scene::SurfaceClass::transparent) return true;
+        if (!scene::thins_light(material)) return false;
+        const scene::Scene& scene = light_.state_.scene();
+        const scene::Mesh& mesh = scene.meshes[scene.objects[hits_.object[r]].mesh];
+        const glm::vec3 passes = ray::let_through(scene, mesh, material, hits_.triangle[r], hits_.u[r], hits_.v[r]);
+        const float chance = std::max({passes.x, passes.y, passes.z});
+        Path& path = paths_[ray_path_[r]];
+        if (!(path.random.uniform() < chance)) return true;
+        passed_[r] *= passes / chance;
+        return false;
     };
+    passed_.assign(rays_.size(), glm::vec3(1));
+    std::vector<std::uint8_t> blocked(rays_.size(), 0);
     for (int pass = 0; pass < k_most_passes; ++pass) {
         passing_.clear(), passing_ray_.clear();
         for (std::uint32_t r = 0; r < rays_.size(); ++r) {
-            if (blocks(r)) continue;
+            if (blocked[r]) continue;
+            if (blocks(r)) {
+                blocked[r] = 1;
+                continue;
+            }
             // Start behind the surface by the rounding error of a hit's distance.
             const shading::SurfacePoint s = surface_of(r);
             const float cosine = std::abs(glm::dot(s.geometric_normal, rays_.direction(r)));
@@ -353,7 +378,7 @@ void ReferencePaths::pass_transparent()
         }
     }
     for (std::uint32_t r = 0; r < rays_.size(); ++r)
-        if (!blocks(r)) hits_.object[r] = scene::none;
+        if (!blocked[r]) hits_.object[r] = scene::none;
 }
 
 shading::SurfacePoint ReferencePaths::surface_of(std::size_t r) const
@@ -432,11 +457,19 @@ void ReferencePaths::trace_shadows(bool to_surroundings)
     counters_.rays += count;
     occluded_.resize(count + ray::k_packet_pad);
     light_.rays_.occluded(shadow_rays_, 0, count, occluded_.data());
+    if (light_.rays_.thins_light()) let_through(shadow_rays_);
     for (std::size_t r = 0; r < count; ++r) {
         if (occluded_[r]) continue;
         Path& path = paths_[shadow_path_[r]];
-        (to_surroundings ? path.surroundings : path.indirect) += shadow_gain_[r];
+        const glm::vec3 gain = light_.rays_.thins_light() ? passed_[r] * shadow_gain_[r] : shadow_gain_[r];
+        (to_surroundings ? path.surroundings : path.indirect) += gain;
     }
+}
+
+void ReferencePaths::let_through(const ray::RayQueue& rays)
+{
+    passed_.resize(rays.size());
+    light_.rays_.let_through(rays, 0, rays.size(), passed_.data());
 }
 
 void ReferencePaths::choose_directions()

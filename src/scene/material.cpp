@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/material.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "base/bits.h"
+#include "scene/material_layers.h"
 
 namespace gnomon::scene {
 
@@ -25,8 +28,42 @@ std::array<TextureUse, 5> uses_of(const Material& m)
 
 }   // namespace
 
+glm::vec3 MaterialLayers::absorption() const
+{
+    if (!(attenuation_distance > 0) || !std::isfinite(attenuation_distance)) return glm::vec3(0);
+    constexpr float k_darkest = 1e-6f;   // of a colour: nothing absorbs infinitely
+    return -glm::log(glm::clamp(attenuation_color, glm::vec3(k_darkest), glm::vec3(1))) / attenuation_distance;
+}
+
+bool same_values(const MaterialLayers& a, const MaterialLayers& b)
+{
+    const auto same = [&](const auto& members) {
+        return std::ranges::all_of(
+            members, [&](const auto member) { return same_bits(std::array{a.*member}, std::array{b.*member}); });
+    };
+    return a.thin_walled == b.thin_walled && same(k_layer_numbers) && same(k_layer_colors) && same(k_layer_textures);
+}
+
+bool thins_light(const Material& m)
+{
+    if (m.outline || m.model == ShadingModel::whitted) return false;
+    if (m.alpha_mode == AlphaMode::blend) return true;
+    return m.transmission > 0 && m.layers && (m.layers->thin_walled || m.layers->transmission_texture.used());
+}
+
+std::vector<const TextureUse*> texture_uses(const Material& m)
+{
+    std::vector<const TextureUse*> result{&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
+                                          &m.occlusion_texture, &m.emissive_texture};
+    if (m.layers)
+        for (const auto member : k_layer_textures) result.push_back(&(*m.layers.*member));
+    return result;
+}
+
 bool same_values(const Material& a, const Material& b)
 {
+    if ((a.layers != nullptr) != (b.layers != nullptr) || a.outline != b.outline) return false;
+    if (a.layers && a.layers != b.layers && !same_values(*a.layers, *b.layers)) return false;
     return a.model == b.model && a.double_sided == b.double_sided && a.alpha_mode == b.alpha_mode &&
            same_bits(numbers_of(a), numbers_of(b)) && same_bits(uses_of(a), uses_of(b));
 }
@@ -34,6 +71,7 @@ bool same_values(const Material& a, const Material& b)
 bool same_to_rays(const Material& a, const Material& b)
 {
     if (a.surface_class() != b.surface_class() || a.one_sided() != b.one_sided()) return false;
+    if (thins_light(a) != thins_light(b)) return false;
     if ((a.alpha_mode == AlphaMode::mask) != (b.alpha_mode == AlphaMode::mask)) return false;
     return a.alpha_mode != AlphaMode::mask ||
            (same_bits(a.alpha, b.alpha) && same_bits(a.alpha_cutoff, b.alpha_cutoff) &&

@@ -2,12 +2,16 @@
 #pragma once
 // Materials: glTF's metallic-roughness model and AFF's Whitted model. Colours are linear.
 
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "base/math.h"
 #include "scene/texture.h"
 
 namespace gnomon::scene {
+
+struct MaterialLayers;
 
 enum class ShadingModel : std::uint8_t { metallic_roughness, whitted, unlit };
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };
@@ -16,7 +20,8 @@ enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 enum class SurfaceClass : std::uint8_t {
     opaque,        // occludes light
     masked,        // occludes light where alpha reaches the cutoff
-    transparent,   // does not occlude light: AFF T > 0, glTF transmission, alpha mode BLEND
+    transparent,   // does not occlude light for shadow rays: AFF T > 0, glTF transmission, alpha mode BLEND, outlines;
+                   // what thins light (see thins_light()) is asked for apart
 };
 
 struct Material {
@@ -42,7 +47,9 @@ struct Material {
     float occlusion_strength = 1;
     glm::vec3 emissive{0};   // strength already multiplied in
     TextureUse emissive_texture;
-    float transmission = 0;   // glass in the built-in scenes; refracts with `ior`
+    float transmission = 0;                         // glass; refracts with `ior` unless the layers say that it is thin
+    std::shared_ptr<const MaterialLayers> layers;   // material_layers.h; null: none
+    bool outline = false;                           // of an inverted hull: drawn, but casts no shadow
 
     // AFF [aff-format, `fm`]
     glm::vec3 ambient{0};
@@ -53,12 +60,19 @@ struct Material {
 
     SurfaceClass surface_class() const
     {
-        if (transmittance > 0 || transmission > 0 || alpha_mode == AlphaMode::blend) return SurfaceClass::transparent;
+        if (transmittance > 0 || transmission > 0 || alpha_mode == AlphaMode::blend || outline)
+            return SurfaceClass::transparent;
         return alpha_mode == AlphaMode::mask ? SurfaceClass::masked : SurfaceClass::opaque;
     }
     /// Whether camera and reflected rays hit the counter-clockwise side only.
-    bool one_sided() const { return !double_sided && surface_class() != SurfaceClass::transparent; }
+    bool one_sided() const { return !double_sided && (outline || surface_class() != SurfaceClass::transparent); }
 };
+
+/// Whether a surface that does not occlude light lets only a part of it through: alpha mode BLEND, tinted sheets of
+/// glass, and glass whose transmission a texture limits. See let_through() in ray/light_through.h.
+bool thins_light(const Material& material);
+/// All textures that a material may use.
+std::vector<const TextureUse*> texture_uses(const Material& material);
 
 /// Whether two materials have the same values, bit for bit; names aside.
 bool same_values(const Material& a, const Material& b);

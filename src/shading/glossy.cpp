@@ -140,7 +140,7 @@ glm::vec3 reflect_glossy(const SurfacePoint& s, const glm::vec3& to_light)
     const glm::vec3 half = glm::normalize(to_light + s.to_viewer);
     const float n_h = std::clamp(glm::dot(s.normal, half), 0.0f, 1.0f), v_h = glm::dot(s.to_viewer, half);
     const float alpha = alpha_of(s.roughness), a2 = alpha * alpha;
-    const glm::vec3 fresnel = s.specular + (glm::vec3(1) - s.specular) * schlick_part(v_h);
+    const glm::vec3 fresnel = s.specular + (glm::vec3(s.f90) - s.specular) * schlick_part(v_h);
     // F D G / (4 n_v n_l) n_l
     const float lobe = distribution(n_h, a2) * shadowing(n_v, n_l, a2) * masking(n_v, a2) / (4 * n_v);
     return fresnel * given_back(s.specular, albedo_table().at(n_v, s.roughness)) * (lobe * s.coverage);
@@ -173,7 +173,7 @@ std::span<const glm::vec2> glossy_albedo_table()
 glm::vec3 glossy_albedo(const SurfacePoint& s)
 {
     const glm::vec2 parts = albedo_table().at(glm::dot(s.normal, s.to_viewer), s.roughness);
-    return glm::min((s.specular * parts.x + parts.y) * given_back(s.specular, parts), glm::vec3(1));
+    return glm::min((s.specular * parts.x + s.f90 * parts.y) * given_back(s.specular, parts), glm::vec3(1));
 }
 
 }   // namespace gnomon::shading

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "shading/layers.h"
+
 namespace gnomon::shading {
 
 namespace {
@@ -47,7 +49,7 @@ glm::vec3 ggx(const SurfacePoint& s, const glm::vec3& to_light, float cosine)
     const float n_h = std::clamp(glm::dot(s.normal, half), 0.0f, 1.0f);
     const float n_v = std::max(glm::dot(s.normal, s.to_viewer), 1e-4f);
     const float v_h = std::clamp(glm::dot(s.to_viewer, half), 0.0f, 1.0f);
-    const glm::vec3 fresnel = schlick(s.specular, v_h);
+    const glm::vec3 fresnel = schlick(s.specular, v_h, s.f90);
 
     // D: Trowbridge-Reitz. V: height-correlated Smith, which includes 1 / (4 n_l n_v) [glTF 2.0, B.3.2].
     const float alpha = std::max(s.roughness * s.roughness, k_min_alpha);
@@ -56,7 +58,48 @@ glm::vec3 ggx(const SurfacePoint& s, const glm::vec3& to_light, float cosine)
     const float distribution = a2 / (static_cast<float>(k_pi) * d * d);
     const float visibility =
         0.5f / (cosine * std::sqrt(n_v * n_v * (1 - a2) + a2) + n_v * std::sqrt(cosine * cosine * (1 - a2) + a2));
-    return (s.diffuse * (glm::vec3(1) - fresnel) * k_inverse_pi + fresnel * (distribution * visibility)) * cosine;
+    const float lobe = s.layers.anisotropy > 0 ? anisotropic_lobe(s, to_light) : distribution * visibility;
+    return (s.diffuse * (glm::vec3(1) - fresnel) * k_inverse_pi + fresnel * lobe) * cosine;
+}
+
+// Computes a mirror direction. A shading normal may send it below the surface; it is moved back to just above.
+glm::vec3 mirrored(const SurfacePoint& s, const glm::vec3& normal)
+{
+    const glm::vec3 direction = -s.to_viewer;
+    const float cosine = std::clamp(glm::dot(normal, s.to_viewer), 0.0f, 1.0f);
+    glm::vec3 result = direction + 2 * cosine * normal;
+    if (const float above = glm::dot(result, s.geometric_normal); above <= 0)
+        result += (1e-3f - above) * s.geometric_normal;
+    return glm::normalize(result);
+}
+
+// The fraction of a lobe of this roughness for which a mirror ray is traced.
+float traced_part(float roughness)
+{
+    const float t = std::clamp((roughness - k_mirror_roughness) / (k_matte_roughness - k_mirror_roughness), 0.0f, 1.0f);
+    return 1 - t * t * (3 - 2 * t);
+}
+
+// The dielectric's Fresnel reflectance, between the surface's own reflectance at normal incidence and at grazing
+// angles.
+glm::vec3 scaled_fresnel(const SurfacePoint& s, float fresnel)
+{
+    const float root = (s.ior - 1) / (s.ior + 1), f0 = root * root;
+    const float t = f0 < 1 ? std::clamp((fresnel - f0) / (1 - f0), 0.0f, 1.0f) : 1;
+    return glm::clamp(s.specular + (glm::vec3(s.f90) - s.specular) * t, 0.0f, 1.0f);
+}
+
+// Adds what the coat mirrors. There is one mirror ray for coat and base; it follows the one that reflects more.
+void add_coat(const SurfacePoint& s, Continuation& c)
+{
+    if (!(s.layers.coat > 0)) return;
+    const float traced = traced_part(s.layers.coat_roughness);
+    c.coat_reflected = s.layers.coat * traced;
+    c.coat_unresolved = s.layers.coat * (1 - traced);
+    if (c.coat_reflected >= std::max({c.reflected_weight.x, c.reflected_weight.y, c.reflected_weight.z}))
+        c.reflected = mirrored(s, s.layers.coat_normal);
+    c.reflected_weight += c.coat_reflected;
+    c.unresolved_weight += c.coat_unresolved;
 }
 
 }   // namespace
@@ -79,7 +122,8 @@ glm::vec3 reflect_light(const SurfacePoint& s, const glm::vec3& to_light, const 
     const float soft = soften_terminator(cos_geometric, cosine, glm::dot(s.normal, s.geometric_normal));
     const glm::vec3 reflectance =
         s.model == scene::ShadingModel::whitted ? phong(s, to_light, cosine) : ggx(s, to_light, cosine);
-    return reflectance * irradiance * (soft * s.coverage);
+    const glm::vec3 result = reflectance * irradiance * (soft * s.coverage);
+    return s.layered ? result + reflect_layers(s, to_light) * irradiance * soft : result;
 }
 
 glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light, const glm::vec3& irradiance)
@@ -91,7 +135,7 @@ glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light,
     glm::vec3 reflectance = s.diffuse * k_inverse_pi;
     if (s.model != scene::ShadingModel::whitted) {
         const glm::vec3 half = glm::normalize(to_light + s.to_viewer);
-        reflectance *= glm::vec3(1) - schlick(s.specular, glm::dot(s.to_viewer, half));
+        reflectance *= glm::vec3(1) - schlick(s.specular, glm::dot(s.to_viewer, half), s.f90);
     }
     return reflectance * irradiance * (cosine * soft * s.coverage);
 }
@@ -116,6 +160,16 @@ glm::vec3 reflect_irradiance(const SurfacePoint& s, const Continuation& next, co
 {
     const glm::vec3 reflectance = s.diffuse * (s.coverage * k_inverse_pi);
     if (s.model == scene::ShadingModel::whitted) return reflectance * (indirect + surroundings);
+    if (s.layered) {
+        // The base's parts of what is reflected, of the light that reaches it.
+        const float below = s.coverage > 0 ? 1 / s.coverage : 0;
+        const glm::vec3 traced = (next.reflected_weight - next.coat_reflected) * below;
+        const glm::vec3 blurred = (next.unresolved_weight - next.coat_unresolved) * below;
+        const glm::vec3 rest = glm::clamp(glm::vec3(1) - traced, 0.0f, 1.0f);
+        const glm::vec3 sheen = s.layers.sheen * (s.layers.sheen_albedo * k_inverse_pi);
+        return reflectance * (rest * indirect + glm::max(rest - blurred, glm::vec3(0)) * surroundings) +
+               sheen * (indirect + surroundings);
+    }
     // Subtract the reflected light. Unresolved reflections bring only the background, so subtract them only from that.
     const glm::vec3 not_traced = glm::max(glm::vec3(1) - next.reflected_weight - next.lobe_weight, glm::vec3(0));
     const glm::vec3 not_mirrored = glm::max(not_traced - next.unresolved_weight, glm::vec3(0));
@@ -127,24 +181,28 @@ Continuation continue_from(const SurfacePoint& s)
     Continuation c;
     const glm::vec3 direction = -s.to_viewer;
     const float cosine = std::clamp(glm::dot(s.normal, s.to_viewer), 0.0f, 1.0f);
-    c.straight_weight = glm::vec3(1 - s.coverage);
+    c.straight_weight = glm::vec3(s.uncovered);
     const bool refracts = s.transmitted != glm::vec3(0);
-    if (s.specular == glm::vec3(0) && !refracts) return c;
-
-    // Compute the mirror direction. A shading normal may send it below the surface; move it back to just above.
-    c.reflected = direction + 2 * cosine * s.normal;
-    if (const float above = glm::dot(c.reflected, s.geometric_normal); above <= 0)
-        c.reflected += (1e-3f - above) * s.geometric_normal;
-    c.reflected = glm::normalize(c.reflected);
+    if (s.specular == glm::vec3(0) && !refracts && !(s.layered && s.layers.coat > 0)) return c;
+    c.reflected = mirrored(s, s.layered ? mirror_normal(s) : s.normal);
 
     if (refracts) {
-        const float eta = s.front ? s.ior : 1 / s.ior;
+        const bool thin = s.layers.thin;
+        const float eta = s.front || thin ? s.ior : 1 / s.ior;
         const float fresnel = fresnel_dielectric(cosine, eta);
         // AFF glass has a reflection colour besides its index; it is weighted by what Fresnel reflection leaves.
         const bool whitted = s.model == scene::ShadingModel::whitted;
         c.reflected_weight = whitted ? glm::vec3(fresnel) + s.specular * (1 - fresnel) : glm::vec3(fresnel);
-        if (fresnel < 1) {
-            c.refracted_weight = s.transmitted * (1 - fresnel);
+        glm::vec3 passing(1 - fresnel);
+        if (s.layered) {
+            c.reflected_weight = scaled_fresnel(s, fresnel);
+            passing = glm::vec3(1) - c.reflected_weight;
+        }
+        if (thin) {
+            c.refracted_weight = s.transmitted * passing;
+            c.refracted = direction;
+        } else if (fresnel < 1) {
+            c.refracted_weight = s.transmitted * passing;
             const float ratio = 1 / eta;
             const float cos_t = std::sqrt(std::max(0.0f, 1 - ratio * ratio * (1 - cosine * cosine)));
             c.refracted = glm::normalize(ratio * direction + (ratio * cosine - cos_t) * s.normal);
@@ -154,17 +212,16 @@ Continuation continue_from(const SurfacePoint& s)
     } else if (s.model == scene::ShadingModel::whitted) {
         c.reflected_weight = s.specular;
     } else if (s.model == scene::ShadingModel::metallic_roughness) {
-        const float f90 = std::max({1 - s.roughness, s.specular.x, s.specular.y, s.specular.z});
+        const float f90 = s.f90 * std::max({1 - s.roughness, s.specular.x, s.specular.y, s.specular.z});
         const glm::vec3 fresnel = schlick(s.specular, cosine, f90);
-        const float t =
-            std::clamp((s.roughness - k_mirror_roughness) / (k_matte_roughness - k_mirror_roughness), 0.0f, 1.0f);
-        const float traced = 1 - t * t * (3 - 2 * t);
+        const float traced = traced_part(s.roughness);
         c.reflected_weight = fresnel * traced;
         c.unresolved_weight = fresnel * (1 - traced);
     }
     c.reflected_weight *= s.coverage;
     c.refracted_weight *= s.coverage;
     c.unresolved_weight *= s.coverage;
+    if (s.layered) add_coat(s, c);
     return c;
 }
 

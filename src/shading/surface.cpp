@@ -5,6 +5,8 @@
 
 #include "ray/origin.h"
 #include "scene/footprint.h"
+#include "scene/material_layers.h"
+#include "shading/layers.h"
 
 namespace gnomon::shading {
 
@@ -48,6 +50,9 @@ struct TextureFrame {
 
 bool is_textured(const scene::Material& m)
 {
+    if (m.layers)
+        for (const auto member : scene::k_layer_textures)
+            if ((*m.layers.*member).used()) return true;
     return m.base_color_texture.used() || m.normal_texture.used() || m.metallic_roughness_texture.used() ||
            m.emissive_texture.used() || m.occlusion_texture.used();
 }
@@ -75,10 +80,9 @@ void find_footprint(const glm::vec3 (&p)[3], float double_area, const glm::vec3&
 
 // Perturbs the shading normal by a normal map, in the tangent frame of the texture coordinates on the triangle,
 // including the texture's transform; or in the frame of the file's own tangents, which ignore that transform.
-glm::vec3 mapped_normal(const scene::Material& material, const TextureFrame& frame, const glm::vec3 (&p)[3],
-                        const glm::vec3& normal, bool front)
+glm::vec3 mapped_normal(const scene::TextureUse& use, float normal_scale, const TextureFrame& frame,
+                        const glm::vec3 (&p)[3], const glm::vec3& normal, bool front)
 {
-    const scene::TextureUse& use = material.normal_texture;
     const auto& t = frame.mesh.texcoords[use.texcoord];
     glm::vec2 a = t[frame.index[1]] - t[frame.index[0]], b = t[frame.index[2]] - t[frame.index[0]];
     if (frame.mesh.tangents.empty()) a = scene::apply_to_step(use, a), b = scene::apply_to_step(use, b);
@@ -94,7 +98,7 @@ glm::vec3 mapped_normal(const scene::Material& material, const TextureFrame& fra
     if (tangent == glm::vec3(0)) return normal;
     const glm::vec4 texel = frame.look_up(use);
     // A bump on the front is a dent on the back [glTF 2.0, 3.9.6: the whole normal is reversed].
-    const float scale = front ? material.normal_scale : -material.normal_scale;
+    const float scale = front ? normal_scale : -normal_scale;
     const glm::vec3 n = glm::vec3(2 * texel.x - 1, 2 * texel.y - 1, 2 * texel.z - 1) * glm::vec3(scale, scale, 1);
     return unit_or(tangent * n.x + bitangent * n.y + normal * n.z, normal);
 }
@@ -139,7 +143,10 @@ void fill_metallic_roughness(const scene::Material& material, const TextureFrame
     s.emissive = material.emissive;
     if (s.emissive != glm::vec3(0) && frame.has(material.emissive_texture))
         s.emissive *= glm::vec3(frame.look_up(material.emissive_texture));
-    if (material.alpha_mode == scene::AlphaMode::blend) s.coverage = std::clamp(alpha, 0.0f, 1.0f);
+    if (material.alpha_mode == scene::AlphaMode::blend) {
+        s.coverage = std::clamp(alpha, 0.0f, 1.0f);
+        s.uncovered = 1 - s.coverage;
+    }
 
     if (material.model == scene::ShadingModel::unlit) {
         s.emissive = base;
@@ -147,15 +154,110 @@ void fill_metallic_roughness(const scene::Material& material, const TextureFrame
     }
     // Split the base colour into specular, diffuse and transmitted light.
     const float f0 = (material.ior - 1) / (material.ior + 1);
-    s.specular = glm::mix(glm::vec3(f0 * f0), base, metallic);
-    s.diffuse = base * ((1 - metallic) * (1 - material.transmission));
-    s.transmitted = base * ((1 - metallic) * material.transmission);
+    glm::vec3 dielectric(f0 * f0);
+    float transmission = material.transmission;
+    if (material.layers) {
+        const scene::MaterialLayers& layers = *material.layers;
+        const float strength =
+            layers.specular * (frame.has(layers.specular_texture) ? frame.look_up(layers.specular_texture).w : 1);
+        glm::vec3 color = layers.specular_color;
+        if (frame.has(layers.specular_color_texture)) color *= glm::vec3(frame.look_up(layers.specular_color_texture));
+        dielectric = strength * glm::min(f0 * f0 * color, glm::vec3(1));
+        s.f90 = glm::mix(strength, 1.0f, metallic);
+        if (frame.has(layers.transmission_texture)) transmission *= frame.look_up(layers.transmission_texture).x;
+    }
+    s.specular = glm::mix(dielectric, base, metallic);
+    s.diffuse = base * ((1 - metallic) * (1 - transmission));
+    s.transmitted = base * ((1 - metallic) * transmission);
     s.ior = material.ior;
     s.roughness = std::clamp(roughness, 0.0f, 1.0f);
     s.ambient = s.diffuse;
     if (frame.has(material.occlusion_texture)) {
         const float occlusion = frame.look_up(material.occlusion_texture).x;
         s.ambient *= 1 + material.occlusion_strength * (occlusion - 1);
+    }
+}
+
+// Bends a shading normal that looks away from the viewer back to the horizon.
+glm::vec3 to_viewers_side(const SurfacePoint& s, const glm::vec3& normal)
+{
+    const float facing = glm::dot(normal, s.to_viewer);
+    return facing < 0 ? unit_or(normal - (facing - 1e-3f) * s.to_viewer, s.geometric_normal) : normal;
+}
+
+// The direction of u on the surface, unit; 0 without texture coordinates.
+glm::vec3 tangent_of(const scene::TextureUse& use, const TextureFrame& frame, const glm::vec3 (&p)[3],
+                     const glm::vec3& normal)
+{
+    const auto& t = frame.mesh.texcoords[use.used() ? use.texcoord : 0];
+    if (t.empty()) return glm::vec3(0);
+    const glm::vec2 a = t[frame.index[1]] - t[frame.index[0]], b = t[frame.index[2]] - t[frame.index[0]];
+    const float determinant = a.x * b.y - a.y * b.x;
+    if (determinant == 0) return glm::vec3(0);
+    const glm::vec3 along = ((p[1] - p[0]) * b.y - (p[2] - p[0]) * a.y) / determinant;
+    return unit_or(along - normal * glm::dot(normal, along), glm::vec3(0));
+}
+
+// Fills in the layers above and inside the surface, and takes from the base what those above reflect.
+// @param coat_normal  on the viewer's side
+void fill_layers(const scene::MaterialLayers& m, const TextureFrame& frame, const glm::vec3 (&p)[3],
+                 const glm::vec3& coat_normal, SurfacePoint& s)
+{
+    const auto channel = [&](const scene::TextureUse& use, int i) {
+        return frame.has(use) ? frame.look_up(use)[i] : 1;
+    };
+    LayerPoint& layers = s.layers;
+    s.layered = true;
+    const float cosine = std::clamp(glm::dot(s.normal, s.to_viewer), 0.0f, 1.0f);
+
+    // A thin film changes the reflectance of the base.
+    if (const float thin_film = m.iridescence * channel(m.iridescence_texture, 0); thin_film > 0) {
+        const float thickness = glm::mix(m.iridescence_thickness_least, m.iridescence_thickness_most,
+                                         channel(m.iridescence_thickness_texture, 1));
+        const glm::vec3 seen = thin_film_reflectance(s.specular, cosine, m.iridescence_ior, thickness);
+        // The reflectance at normal incidence from which Schlick's approximation makes it.
+        const float x = 1 - cosine, rise = std::min(x * x * x * x * x, 0.9999f);
+        const glm::vec3 f0 = glm::clamp((seen - s.f90 * rise) / (1 - rise), 0.0f, 1.0f);
+        s.specular = glm::mix(s.specular, f0, thin_film);
+    }
+    if (m.anisotropy > 0) {
+        glm::vec2 way(1, 0);
+        layers.anisotropy = m.anisotropy;
+        if (frame.has(m.anisotropy_texture)) {
+            const glm::vec4 texel = frame.look_up(m.anisotropy_texture);
+            way = 2.0f * glm::vec2(texel) - 1.0f;
+            layers.anisotropy *= texel.z;
+        }
+        const float c = std::cos(m.anisotropy_rotation), sn = std::sin(m.anisotropy_rotation);
+        way = {c * way.x - sn * way.y, sn * way.x + c * way.y};
+        glm::vec3 tangent = tangent_of(m.anisotropy_texture, frame, p, s.normal), unused;
+        if (tangent == glm::vec3(0)) make_basis(s.normal, tangent, unused);
+        layers.grain = unit_or(way.x * tangent + way.y * glm::cross(s.normal, tangent), tangent);
+    }
+    layers.thin = m.thin_walled;
+    layers.absorption = m.absorption();
+    layers.thickness = m.thickness * channel(m.thickness_texture, 1);
+    layers.dispersion = m.dispersion;
+
+    // Sheen takes light from the base; the coat takes it from both.
+    const float alpha = s.coverage;
+    float below_coat = alpha;
+    if (const float coat = m.clearcoat * channel(m.clearcoat_texture, 0); coat > 0) {
+        layers.coat_normal = coat_normal;
+        layers.coat_roughness =
+            std::clamp(m.clearcoat_roughness * channel(m.clearcoat_roughness_texture, 1), 0.0f, 1.0f);
+        const float mirrored = coat * coat_fresnel(glm::dot(coat_normal, s.to_viewer));
+        layers.coat = alpha * mirrored;
+        below_coat = alpha * (1 - mirrored);
+    }
+    s.coverage = below_coat;
+    if (m.sheen_color != glm::vec3(0)) {
+        glm::vec3 color = m.sheen_color;
+        if (frame.has(m.sheen_color_texture)) color *= glm::vec3(frame.look_up(m.sheen_color_texture));
+        layers.sheen = below_coat * color;
+        layers.sheen_roughness = std::clamp(m.sheen_roughness * channel(m.sheen_roughness_texture, 3), 0.0f, 1.0f);
+        layers.sheen_albedo = sheen_albedo(cosine, layers.sheen_roughness);
+        s.coverage *= 1 - std::max({color.x, color.y, color.z}) * layers.sheen_albedo;
     }
 }
 
@@ -197,17 +299,25 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
     s.cone.spread = cone.spread;
     TextureFrame frame{scene, mesh, index, u, v};
     if (is_textured(material)) find_footprint(p, double_area, s.geometric_normal, direction, s.cone.width, frame);
-    if (frame.has(material.normal_texture)) s.normal = mapped_normal(material, frame, p, s.normal, s.front);
+    const glm::vec3 smooth_normal = s.normal;
+    if (frame.has(material.normal_texture))
+        s.normal = mapped_normal(material.normal_texture, material.normal_scale, frame, p, s.normal, s.front);
 
     // Bend a shading normal that looks away from the viewer back to the horizon.
-    if (const float facing = glm::dot(s.normal, s.to_viewer); facing < 0)
-        s.normal = unit_or(s.normal - (facing - 1e-3f) * s.to_viewer, s.geometric_normal);
+    s.normal = to_viewers_side(s, s.normal);
 
     s.model = material.model;
     if (material.model == scene::ShadingModel::whitted)
         fill_whitted(material, frame, s);
     else
         fill_metallic_roughness(material, frame, s);
+    if (material.layers && material.model == scene::ShadingModel::metallic_roughness) {
+        glm::vec3 coat_normal = smooth_normal;
+        if (frame.has(material.layers->clearcoat_normal_texture))
+            coat_normal = mapped_normal(material.layers->clearcoat_normal_texture,
+                                        material.layers->clearcoat_normal_scale, frame, p, smooth_normal, s.front);
+        fill_layers(*material.layers, frame, p, to_viewers_side(s, coat_normal), s);
+    }
 }
 
 }   // namespace gnomon::shading

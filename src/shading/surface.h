@@ -16,6 +16,22 @@ struct RayCone {
     float spread = 0;   // growth per unit of distance
 };
 
+/// The layers of a material at a point (scene/material_layers.h).
+struct LayerPoint {
+    float coat = 0;   // the fraction of light that the coat mirrors towards the viewer
+    float coat_roughness = 0;
+    glm::vec3 coat_normal{0};
+    glm::vec3 sheen{0};   // colour of the fibres, above the base and below the coat
+    float sheen_roughness = 0;
+    float sheen_albedo = 0;   // what white fibres reflect towards the viewer of light from everywhere
+    glm::vec3 grain{0};       // unit, on the surface: the lobe is wider along it. Of no use without the next
+    float anisotropy = 0;
+    bool thin = false;         // transmitted light passes straight
+    glm::vec3 absorption{0};   // per metre inside
+    float thickness = 0;       // metres: see MaterialLayers
+    float dispersion = 0;
+};
+
 struct SurfacePoint {
     glm::vec3 position{0};
     glm::vec3 geometric_normal{0};   // unit, on the side the ray came from
@@ -32,11 +48,16 @@ struct SurfacePoint {
     glm::vec3 specular{0};
     glm::vec3 ambient{0};   // whitted: ambient reflectance; else diffuse times occlusion
     glm::vec3 emissive{0};
-    float roughness = 1;        // perceptual, metallic-roughness
-    float shine = 0;            // Phong exponent, whitted
-    float coverage = 1;         // alpha of BLEND surfaces; the remaining light passes straight through
+    float roughness = 1;   // perceptual, metallic-roughness
+    float shine = 0;       // Phong exponent, whitted
+    // The fraction of its own light that the surface shows: alpha of BLEND surfaces, less what layers above take.
+    float coverage = 1;
+    float uncovered = 0;        // 1 - alpha of BLEND surfaces: of light that passes straight through
+    float f90 = 1;              // specular reflectance at grazing incidence
+    bool layered = false;       // `layers` counts
     glm::vec3 transmitted{0};   // transmittance of refraction, before Fresnel
     float ior = 1;              // inside over outside
+    LayerPoint layers;
 };
 
 /// @param direction  the ray's, unit

@@ -161,6 +161,8 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
                                                         .geometric_normal = s.geometric_normal,
                                                         .roughness = s.roughness},
                                                        seen);
+        if (passing_.any() && radiance != glm::vec3(0))
+            radiance *= passing_.from_cells(s, batch.shadow_points[asked_[k]].origin, light.visibility().cells(), seen);
         add(point, radiance);
     }
 }
@@ -195,8 +197,10 @@ void EnvironmentLighting::light_by_suns(
         for (std::size_t k = 0; k < asked_.size(); ++k) {
             const TilePoint& point = batch.points[asked_[k]];
             const std::span<const std::uint64_t> seen = seen_.of(k);
-            const float share = EnvironmentLight::visible_share(sun, point.surface.normal, seen);
+            float share = EnvironmentLight::visible_share(sun, point.surface.normal, seen);
             if (share == 0) continue;
+            const glm::vec3 passes =
+                passing_.from_cells(point.surface, batch.shadow_points[asked_[k]].origin, sun.cells, seen);
             glm::vec3 radiance(0);
             if (technique_.every_ray()) {
                 const glm::vec3 part = source.color / static_cast<float>(sun.cells.leaves());
@@ -210,6 +214,7 @@ void EnvironmentLighting::light_by_suns(
                 s.roughness = std::sqrt(std::sqrt(alpha * alpha + 0.25f * reach * reach));
                 radiance = share * shading::reflect_light(s, to_light, source.color);
             }
+            if (passing_.any()) radiance *= passes, share *= luminance(passes);
             add(point, radiance, sun.light, share);
         }
     }

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "environment_light/environment_light.h"
+#include "trace/passing_light.h"
 #include "trace/point_batch.h"
 
 namespace gnomon::trace {
@@ -55,7 +56,10 @@ class EnvironmentTechnique {
 /// One per thread.
 class EnvironmentLighting {
  public:
-    explicit EnvironmentLighting(EnvironmentTechnique& technique) : technique_(technique) {}
+    EnvironmentLighting(EnvironmentTechnique& technique, const ray::RayScene& rays)
+        : technique_(technique), passing_(rays)
+    {
+    }
     /// Calls add(point, radiance) with the light reflected at points of the batch towards the viewer, throughput left
     /// out.
     /// @param tile  its number in the frame
@@ -72,6 +76,7 @@ class EnvironmentLighting {
     void find_guides(const PointBatch& batch);
 
     EnvironmentTechnique& technique_;
+    PassingLight passing_;
     environment_light::CellVisibility::Scratch scratch_;
     environment_light::SeenCells seen_;
     std::vector<std::uint32_t> asked_;                // points that could reflect light

@@ -56,6 +56,7 @@ struct Path {
     float emission = 1;           // the share of emission at its end that is not counted already, by a highlight
     float background = 1;         // likewise, of the background
     LobePath lobe = {};
+    float parts = 1;   // paths into which a rough surface split it
 };
 
 /// A point to shade.
@@ -64,6 +65,7 @@ struct TilePoint {
     shading::Continuation next;
     std::uint32_t pixel;   // of the tile
     glm::vec3 throughput;
+    float parts = 1;       // as of its path
     bool glossy = false;   // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
     LobePath lobe;         // of the path that it ends
 };

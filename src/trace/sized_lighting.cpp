@@ -63,6 +63,10 @@ void SizedLighting::light(const PointBatch& batch, const std::function<void(cons
                     light_here.irradiance *= visible_.share[k];
                 }
             }
+            if (passing_.any()) {
+                const glm::vec3 passes = passing_.from_light(s, batch.shadow_points[asked_[k]].origin, light);
+                light_here.irradiance *= passes, light_here.lobe *= passes;
+            }
             glm::vec3 radiance(0);
             if (highlight < 1)
                 radiance +=

@@ -11,6 +11,7 @@
 #include <functional>
 
 #include "shading/polygon_light.h"
+#include "trace/passing_light.h"
 #include "trace/sized_visibility.h"
 
 namespace gnomon::trace {
@@ -22,8 +23,8 @@ float highlight_share(const shading::SurfacePoint& s);
 /// One per thread.
 class SizedLighting {
  public:
-    SizedLighting(const scene::SizedLights& lights, SizedVisibility& visibility)
-        : lights_(lights), visibility_(visibility.make_worker())
+    SizedLighting(const scene::SizedLights& lights, SizedVisibility& visibility, const ray::RayScene& rays)
+        : lights_(lights), visibility_(visibility.make_worker()), passing_(rays)
     {
     }
     /// Calls add(point, radiance) with the light reflected at points of the batch towards the viewer, throughput left
@@ -34,6 +35,7 @@ class SizedLighting {
  private:
     const scene::SizedLights& lights_;
     std::unique_ptr<SizedVisibility::Worker> visibility_;
+    PassingLight passing_;
     std::vector<float> highlight_;                    // by point of the batch
     std::vector<std::uint32_t> asked_;                // points that the present light could reach
     std::vector<shading::UnshadowedLight> arrives_;   // by asked point

@@ -6,6 +6,8 @@
 #include "base/interruption.h"
 #include "base/morton.h"
 #include "base/random.h"
+#include "ray/origin.h"
+#include "scene/light_reach.h"
 #include "shading/glossy.h"
 
 namespace gnomon::trace {
@@ -55,9 +57,10 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
     if (options.max_depth > 0 && options.lobe_rays > 0)
         rays_of_lobe_ = power_of_two_from((options.lobe_rays + options.samples - 1) / options.samples);
     if (options.random_lobes) rays_of_lobe_ = std::max(rays_of_lobe_, static_cast<int>(k_lobe_batches));
-    if (sized.lights) sized_.emplace(*sized.lights, *sized.visibility);
-    if (environment) environment_.emplace(*environment);
+    if (sized.lights) sized_.emplace(*sized.lights, *sized.visibility, rays_);
+    if (environment) environment_.emplace(*environment, rays_);
     sees_image_ = environment_ && environment_->has_image();
+    thins_light_ = rays_.thins_light();
     primary_.rays.purpose = ray::RayClass::primary;
     for (PathQueue* queue : {&reflected_, &next_reflected_}) queue->rays.purpose = ray::RayClass::reflection;
     for (PathQueue* queue : {&refracted_, &next_refracted_}) queue->rays.purpose = ray::RayClass::refraction;
@@ -210,13 +213,16 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         point.throughput = path.throughput;
         point.lobe = path.lobe;
         if (path.lobe.rays > 0) shading::widen_lobe(rays_.geometry(hits_.object[i]), hits_.triangle[i], point.surface);
+        point.parts = path.parts;
         const shading::SurfacePoint& s = point.surface;
+        if (s.layered) point.throughput *= shading::attenuation(s, hits_.t[i]);
 
         point.next = shading::continue_from(s);
-        if (rays_of_lobe_ > 0) shading::reflect_by_lobe(s, point.next);
+        // Layered surfaces have rays of their own (queue_layered()).
+        if (rays_of_lobe_ > 0 && !s.layered) shading::reflect_by_lobe(s, point.next);
         if (indirect_light_ && indirect_light_->reflects_lobes() && shading::has_glossy_lobe(s)) {
             point.glossy = true;
-            point.next.unresolved_weight = glm::vec3(0);
+            point.next.unresolved_weight = glm::vec3(point.next.coat_unresolved);
         }
 
         // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
@@ -227,7 +233,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
                                       !(indirect_light_ && indirect_light_->has_further_bounces()));
         if (!sees_image_ && point.next.unresolved_weight != glm::vec3(0))
             own += point.next.unresolved_weight * scene_.background.ambient(point.next.reflected);
-        add_color(path.pixel, path.lobe, path.throughput * own);
+        add_color(path.pixel, path.lobe, point.throughput * own);
         if (primary && options_.layers) {
             albedo_[path.pixel] += s.diffuse + s.specular;
             if (sample == 0) {
@@ -258,20 +264,35 @@ void TileTracer::add_lights(const PointBatch& batch, Stopwatch& watch)
         interruption_point();
         lit_.clear();
         shadows_->find_lit(batch, static_cast<scene::LightId>(l), lit_);
+        if (thins_light_) find_passing(light, at);
         watch.end(FrameTimes::shadows);
-        for (const std::uint32_t p : lit_) {
-            const TilePoint& point = points_[p];
-            const scene::LightSample sample = scene::illuminate(light, at, point.surface.position);
+        for (std::size_t k = 0; k < lit_.size(); ++k) {
+            const TilePoint& point = points_[lit_[k]];
+            scene::LightSample sample = scene::illuminate(light, at, point.surface.position);
+            if (thins_light_) sample.irradiance *= passes_[k];
             const auto reflect = light.of_environment ? shading::reflect_surroundings : shading::reflect_light;
             const glm::vec3 radiance = point.throughput * reflect(point.surface, sample.to_light, sample.irradiance);
             add_color(point.pixel, point.lobe, radiance);
             if (batch.primary && options_.layers) {
                 direct_[point.pixel] += radiance;
-                shadow_[point.pixel * lights + l] += 1;
+                shadow_[point.pixel * lights + l] += thins_light_ ? luminance(passes_[k]) : 1;
             }
         }
         watch.end(FrameTimes::surfaces);
     }
+}
+
+void TileTracer::find_passing(const scene::Light& light, const scene::LightState& at)
+{
+    const scene::LightReach reach(light, at);
+    const float end = reach.directional() ? k_infinity : ray::k_shadow_ray_end;
+    passing_.clear();
+    for (const std::uint32_t p : lit_) {
+        const glm::vec3& origin = shadow_points_[p].origin;
+        passing_.push(origin, 0, reach.from(origin), end);
+    }
+    passes_.resize(lit_.size());
+    rays_.let_through(passing_, 0, passing_.size(), passes_.data());
 }
 
 // Adds the direct light of emissive surfaces.
@@ -376,13 +397,17 @@ void TileTracer::queue_continuations(bool primary)
                                const glm::vec3& direction, bool sees_no_light = false, float emission = 1,
                                float background = 1) {
             const glm::vec3 throughput = point.throughput * weight;
-            if (largest(throughput) * std::max(point.lobe.rays, 1.0f) < options_.min_throughput) return;
-            to.push({point.pixel, throughput, s.cone, sees_no_light, emission, background, point.lobe}, origin, 0,
-                    direction, k_infinity);
+            if (largest(throughput) * std::max(point.lobe.rays, 1.0f) * point.parts < options_.min_throughput) return;
+            to.push({point.pixel, throughput, s.cone, sees_no_light, emission, background, point.lobe, point.parts},
+                    origin, 0, direction, k_infinity);
         };
-        queue(next_reflected_, c.reflected_weight, s.position + lift, c.reflected, point.glossy,
-              sized_ ? 1 - highlight_share(s) : 1, sees_image_ ? 1 - highlight_share(s) : 1);
-        queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted);
+        if (s.layered) {
+            queue_layered(point, lift);
+        } else {
+            queue(next_reflected_, c.reflected_weight, s.position + lift, c.reflected, point.glossy,
+                  sized_ ? 1 - highlight_share(s) : 1, sees_image_ ? 1 - highlight_share(s) : 1);
+            queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted);
+        }
         queue(next_refracted_, c.straight_weight, s.position - lift, -s.to_viewer);
         if (!primary && c.lobe_weight != glm::vec3(0)) queue_nested_lobe(point);
     }
@@ -406,11 +431,11 @@ void TileTracer::queue_lobe(const TilePoint& point, std::uint32_t first, const g
     cone.spread += 4 * shading::lobe_width(s.roughness) / std::sqrt(divided);
     for (std::size_t k = 0; k < count; ++k) {
         const glm::vec3 throughput = point.throughput * point.next.lobe_weight * lobe_rays_[k].weight * share;
-        if (largest(throughput) * divided < options_.min_throughput) continue;
+        if (largest(throughput) * divided * point.parts < options_.min_throughput) continue;
         LobePath lobe = path;
         if (rays > 1) lobe.number = first + static_cast<std::uint32_t>(k);
         next_reflected_.push({point.pixel, throughput, cone, point.glossy, sized_ ? 1 - highlight_share(s) : 1,
-                              sees_image_ ? 1 - highlight_share(s) : 1, lobe},
+                              sees_image_ ? 1 - highlight_share(s) : 1, lobe, point.parts},
                              s.position + s.offset * s.geometric_normal, 0, lobe_rays_[k].direction, k_infinity);
     }
 }
@@ -511,6 +536,34 @@ void TileTracer::store_lobes()
             const auto n = static_cast<float>(batches);
             variance_[from] += glm::max(square - sum * sum / n, glm::vec3(0)) * (n / (n - 1));
         }
+}
+
+// Queues the rays of a layered surface. Its coat always shows lights by the mirrored ray; rough transmission takes
+// several rays.
+void TileTracer::queue_layered(const TilePoint& point, const glm::vec3& lift)
+{
+    const shading::SurfacePoint& s = point.surface;
+    const shading::Continuation& c = point.next;
+    Path path{point.pixel, point.throughput * c.reflected_weight, s.cone};
+    path.lobe = point.lobe, path.parts = point.parts;
+    if (largest(path.throughput) * path.parts >= options_.min_throughput) {
+        const float coat = std::clamp(c.coat_reflected / largest(c.reflected_weight), 0.0f, 1.0f);
+        const auto shown = [&](bool by_lobe) {
+            const float base = point.glossy ? 0 : by_lobe ? 1 - highlight_share(s) : 1;
+            return coat + (1 - coat) * base;
+        };
+        path.emission = shown(sized_.has_value()), path.background = shown(sees_image_);
+        next_reflected_.push(path, s.position + lift, 0, c.reflected, k_infinity);
+    }
+    shading::find_transmitted(s, c, point.parts > 1, transmitted_);
+    for (const shading::TransmittedRay& ray : transmitted_) {
+        Path through{point.pixel, point.throughput * c.refracted_weight * ray.part, s.cone};
+        through.lobe = point.lobe;
+        through.parts = ray.spread > 0 ? point.parts * static_cast<float>(transmitted_.size()) : point.parts;
+        if (largest(through.throughput) * through.parts < options_.min_throughput) continue;
+        through.cone.spread += ray.spread;
+        next_refracted_.push(through, s.position - lift, 0, ray.direction, k_infinity);
+    }
 }
 
 void TileTracer::store(shading::FrameBuffers& out) const

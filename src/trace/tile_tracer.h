@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "base/stopwatch.h"
+#include "shading/layers.h"
 #include "shading/lobe_rays.h"
 #include "trace/environment_lighting.h"
 #include "trace/indirect_light.h"
@@ -81,6 +82,9 @@ class TileTracer {
     void trace_lobes(int sample, Stopwatch& watch);
     void add_color(std::uint32_t pixel, const LobePath& lobe, const glm::vec3& radiance);
     void store_lobes();
+    void queue_layered(const TilePoint& point, const glm::vec3& lift);
+    /// Of the light from lit_ to one light, what surfaces between them let through, in passes_.
+    void find_passing(const scene::Light& light, const scene::LightState& at);
     void store(shading::FrameBuffers& out) const;
 
     const scene::SceneState& state_;
@@ -108,6 +112,10 @@ class TileTracer {
     std::vector<shadow_culling::ShadowPoint> shadow_points_;
     std::vector<glm::vec3> normals_;
     std::vector<std::uint32_t> lit_;   // points that the present light reaches
+    bool thins_light_ = false;         // surfaces let a part of light through
+    std::vector<glm::vec3> passes_;    // by lit point, with such surfaces
+    ray::RayQueue passing_;
+    std::vector<shading::TransmittedRay> transmitted_;
     IndirectResult arrives_;
 
     std::vector<glm::vec3> color_, direct_, indirect_color_, albedo_, normal_;   // by pixel of the tile

@@ -7,6 +7,7 @@
 #include "api/scene_access.h"
 #include "base/hash.h"
 #include "scene/environment.h"
+#include "scene/material_layers.h"
 #include "scene/scene.h"
 #include "video/frames_folder.h"
 
@@ -78,9 +79,13 @@ void add_material(Fingerprint& print, const scene::Material& material)
          {material.alpha, material.alpha_cutoff, material.metallic, material.roughness, material.normal_scale,
           material.occlusion_strength, material.transmission, material.shine, material.transmittance, material.ior})
         print.add(value);
-    for (const scene::TextureUse* use :
-         {&material.base_color_texture, &material.metallic_roughness_texture, &material.normal_texture,
-          &material.occlusion_texture, &material.emissive_texture}) {
+    if (material.outline) print.add(material.outline);
+    if (material.layers) {
+        for (const auto member : scene::k_layer_numbers) print.add(*material.layers.*member);
+        for (const auto member : scene::k_layer_colors) print.add(*material.layers.*member);
+        print.add(material.layers->thin_walled);
+    }
+    for (const scene::TextureUse* use : scene::texture_uses(material)) {
         print.add(use->texture), print.add(use->texcoord);
         print.add(use->offset), print.add(use->scale), print.add(use->rotation);
     }

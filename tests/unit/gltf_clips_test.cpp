@@ -122,5 +122,51 @@ TEST(GltfClips, WithoutAnimationsThereIsOneFrame)
     EXPECT_EQ(s.timeline.start, 0);
 }
 
+// A triangle on each of two nodes; pointers animate the place of the first and the visibility of the second.
+TEST(GltfPointers, MoveAndHideNodes)
+{
+    Document d;
+    const int p = d.positions({0, 0, 0, 1, 0, 0, 0, 1, 0}), t = d.times({0, 1, 2});
+    const int places = d.floats({0, 0, 0, 4, 0, 0, 8, 0, 0}, "VEC3", 3);
+    const int shown = d.accessor<std::uint8_t>({0, 1, 0}, "SCALAR", 5121, 1);
+    const auto channel = [](int sampler, const char* pointer) {
+        return fmt::format(R"({{"sampler":{},"target":{{"path":"pointer","extensions":{{"KHR_animation_pointer":)"
+                           R"({{"pointer":"{}"}}}}}}}})",
+                           sampler, pointer);
+    };
+    const auto load = [&](const std::string& more) {
+        return d.load(
+            fmt::format(R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":{}}}}}]}}],)"
+                        R"("nodes":[{{"mesh":0}},{{"mesh":0}},{{"mesh":0,"extensions":{{"KHR_node_visibility":)"
+                        R"({{"visible":false}}}}}}],"animations":[{{"channels":[{},{}{}],"samplers":[{{"input":{},)"
+                        R"("output":{}}},{{"input":{},"output":{},"interpolation":"STEP"}}]}}])",
+                        p, channel(0, "/nodes/0/translation"),
+                        channel(1, "/nodes/1/extensions/KHR_node_visibility/visible"), more, t, places, t, shown),
+            R"("extensionsUsed":["KHR_animation_pointer","KHR_node_visibility"],)");
+    };
+    const auto scene = std::make_shared<const scene::Scene>(load(""));
+    EXPECT_TRUE(scene->warnings.empty()) << scene->warnings.front();
+    ASSERT_EQ(scene->objects.size(), 3u);
+    EXPECT_EQ(scene->timeline.end, 2);
+    scene::SceneState state(scene, 0);
+    EXPECT_FALSE(state.object_visible(1));
+    EXPECT_FALSE(state.object_visible(2));   // by the file
+    state.advance(.5);
+    EXPECT_NEAR(state.world(scene->objects[0].node)[3].x, 2, 1e-6);
+    state.advance(1.5);
+    EXPECT_TRUE(state.object_visible(1));
+    EXPECT_FALSE(state.object_visible(2));
+    EXPECT_EQ(state.changes().appeared.size(), 1u);
+    state.advance(2);
+    EXPECT_FALSE(state.object_visible(1));
+
+    // What is not supported, or does not exist, is named.
+    const scene::Scene others =
+        load("," + channel(0, "/materials/0/emissiveFactor") + "," + channel(0, "/nodes/99/translation"));
+    ASSERT_EQ(others.warnings.size(), 2u);
+    EXPECT_NE(others.warnings[0].find("/materials/0/emissiveFactor"), std::string::npos) << others.warnings[0];
+    EXPECT_NE(others.warnings[1].find("/nodes/99/translation"), std::string::npos) << others.warnings[1];
+}
+
 }   // namespace
 }   // namespace gnomon

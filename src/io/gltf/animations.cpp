@@ -33,7 +33,7 @@ struct Source {
     bool used() const { return animation != k_absent; }
 };
 struct Moves {
-    Source parts[4];   // by Path: translation, rotation, scale, weights
+    Source parts[5];   // by Path: translation, rotation, scale, weights, visibility
 };
 
 // What a channel animates.
@@ -77,14 +77,21 @@ class Animations {
             const Channel& channel = animation.channels[c];
             const std::string here = at(at(at("/animations", index), "channels"), c);
             if (channel.path == Path::pointer || channel.path == Path::unknown) {
-                context_.warn(here,
-                              fmt::format("the path '{}' is not supported: ignored", channel.path_word.substr(0, 64)));
+                constexpr std::size_t k_shown = 100;
+                context_.warn(here, channel.has_pointer ? fmt::format("animates '{}', which is not supported: ignored",
+                                                                      shown_name(channel.pointer.substr(0, k_shown)))
+                                                        : fmt::format("the path '{}' is not supported: ignored",
+                                                                      channel.path_word.substr(0, 64)));
                 continue;
             }
             if (channel.node == k_absent || node_ids[channel.node] == scene::none) continue;
             const AnimationSampler& sampler = animation.samplers[channel.sampler];
             if (sampler.interpolation == Interpolation::unknown) {
                 context_.warn(here, "its interpolation is not supported: ignored");
+                continue;
+            }
+            if (channel.path == Path::visibility && sampler.interpolation != Interpolation::step) {
+                context_.warn(here, "visibility can only change in steps: ignored");
                 continue;
             }
             if (!usable(sampler, here)) continue;
@@ -122,6 +129,19 @@ class Animations {
         std::vector<double> values = numbers(sampler.output);
         return std::make_shared<scene::KeyframeWeights>(interpolation_of(sampler.interpolation), numbers(sampler.input),
                                                         std::move(values), targets);
+    }
+
+    // The first key's value counts before it as well.
+    std::shared_ptr<const scene::VisibilityTrack> visibility(const Source& source)
+    {
+        const AnimationSampler& sampler = sampler_of(source);
+        auto track = std::make_shared<scene::VisibilityTrack>();
+        const std::vector<double> times = numbers(sampler.input), values = numbers(sampler.output);
+        for (std::size_t i = 0; i < std::min(times.size(), values.size()); ++i) {
+            track->times.push_back(i == 0 ? std::numeric_limits<double>::lowest() : times[i]);
+            track->visible.push_back(values[i] != 0);
+        }
+        return track;
     }
 
  private:
@@ -275,6 +295,10 @@ void build_animations(const Model& model, const Data& data, const std::vector<sc
         scene::Node& node = out.nodes[node_ids[index]];
         if (move.parts[0].used() || move.parts[1].used() || move.parts[2].used()) {
             node.transform = animations.transform(source, move);
+            node.animated = true;
+        }
+        if (move.parts[4].used()) {
+            node.visibility = animations.visibility(move.parts[4]);
             node.animated = true;
         }
         if (move.parts[3].used() && node.mesh != scene::none)

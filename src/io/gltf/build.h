@@ -36,6 +36,7 @@ class Materials {
     const Image8* image_for(const TextureInfo& info, const std::string& pointer);
     scene::Sampler sampler_for(const TextureInfo& info) const;
     scene::TextureUse use(const TextureInfo& info, bool srgb, bool alpha, const std::string& pointer);
+    void use_layers(const Material& material, const std::string& pointer, scene::Material& out);
     void use_glossiness(const Glossiness& glossiness, bool alpha, const std::string& pointer, scene::Material& out);
     Index first_of(Index image);
     std::vector<std::uint8_t> bytes_of(Index image);

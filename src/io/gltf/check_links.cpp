@@ -89,11 +89,19 @@ void check_material(const Material& material, const std::string& here, const Con
         {&material.emissive_texture, "emissiveTexture"},
         {material.glossiness ? &material.glossiness->diffuse_texture : nullptr, "diffuseTexture"},
         {material.glossiness ? &material.glossiness->specular_texture : nullptr, "specularGlossinessTexture"}};
-    for (const auto& [info, name] : uses) {
-        if (!info) continue;
-        const float sum =
-            info->offset.x + info->offset.y + info->scale.x + info->scale.y + info->rotation + info->factor;
+    const auto check = [&](const TextureInfo& info, const char* name) {
+        const float sum = info.offset.x + info.offset.y + info.scale.x + info.scale.y + info.rotation + info.factor;
         if (!std::isfinite(sum)) context.fail(at(here, name), "a number is too large");
+    };
+    for (const auto& [info, name] : uses)
+        if (info) check(*info, name);
+    if (material.layers) {
+        const Layers& l = *material.layers;
+        for (const LayerTexture& texture : k_layer_textures) check(l.*texture.info, texture.property);
+        float sum = l.anisotropy_rotation + l.iridescence_ior + l.iridescence_thickness_least +
+                    l.iridescence_thickness_most + l.thickness + l.attenuation_distance + l.dispersion;
+        for (const float c : l.specular_color) sum += c;
+        if (!std::isfinite(sum)) context.fail(here, "a number is too large");
     }
     if (!std::isfinite(material.ior + material.alpha_cutoff)) context.fail(here, "a number is too large");
 }
@@ -112,6 +120,8 @@ bool format_fits(const Accessor& accessor, Path path)
             return accessor.shape == Shape::vec4 && fraction;
         case Path::weights:
             return accessor.shape == Shape::scalar && fraction;
+        case Path::visibility:
+            return accessor.shape == Shape::scalar && accessor.component == Component::u8 && !accessor.normalized;
         default:
             return true;
     }
@@ -171,7 +181,8 @@ void check_animation(const Model& model, Index index, Uses& uses, Context& conte
 
         const Node& node = model.nodes[channel.node];
         const bool moves = channel.path != Path::weights;
-        if (moves && node.matrix) context.fail(target, "the node has a matrix, which cannot be animated");
+        if (moves && channel.path != Path::visibility && node.matrix)
+            context.fail(target, "the node has a matrix, which cannot be animated");
         const std::size_t targets =
             node.mesh == k_absent ? 0 : model.meshes[node.mesh].primitives.front().targets.size();
         if (!moves && targets == 0) {

@@ -8,6 +8,7 @@
 #include "io/gltf/build.h"
 #include "io/gltf/specular_glossiness.h"
 #include "io/image/image_file.h"
+#include "scene/material_layers.h"
 
 namespace gnomon::io::gltf {
 
@@ -306,15 +307,55 @@ void Materials::use_glossiness(const Glossiness& g, bool alpha, const std::strin
     out.metallic_roughness_texture = add("metallic-roughness of specular-glossiness", images.metallic_roughness, false);
 }
 
+// Fills in the layers. Without KHR_materials_volume, or with a thickness of 0, transmission is that of a thin wall.
+void Materials::use_layers(const Material& material, const std::string& pointer, scene::Material& out)
+{
+    const Layers& l = *material.layers;
+    const auto color = [](const std::array<float, 3>& c) { return glm::vec3(c[0], c[1], c[2]); };
+    scene::MaterialLayers to;
+    to.specular = l.specular, to.specular_color = color(l.specular_color);
+    to.clearcoat = l.clearcoat, to.clearcoat_roughness = l.clearcoat_roughness;
+    to.clearcoat_normal_scale = l.clearcoat_normal_texture.factor;
+    to.sheen_color = color(l.sheen_color), to.sheen_roughness = l.sheen_roughness;
+    to.anisotropy = l.anisotropy, to.anisotropy_rotation = l.anisotropy_rotation;
+    to.iridescence = l.iridescence, to.iridescence_ior = l.iridescence_ior;
+    to.iridescence_thickness_least = l.iridescence_thickness_least;
+    to.iridescence_thickness_most = l.iridescence_thickness_most;
+    to.thin_walled = !(l.thickness > 0);
+    to.thickness = l.thickness, to.dispersion = l.dispersion;
+    to.attenuation_distance = l.attenuation_distance, to.attenuation_color = color(l.attenuation_color);
+    static_assert(std::size(k_layer_textures) == std::size(scene::k_layer_textures));
+    constexpr scene::TextureUse scene::MaterialLayers::*targets[] = {
+        &scene::MaterialLayers::specular_texture,         &scene::MaterialLayers::specular_color_texture,
+        &scene::MaterialLayers::clearcoat_texture,        &scene::MaterialLayers::clearcoat_roughness_texture,
+        &scene::MaterialLayers::clearcoat_normal_texture, &scene::MaterialLayers::sheen_color_texture,
+        &scene::MaterialLayers::sheen_roughness_texture,  &scene::MaterialLayers::anisotropy_texture,
+        &scene::MaterialLayers::iridescence_texture,      &scene::MaterialLayers::iridescence_thickness_texture,
+        &scene::MaterialLayers::transmission_texture,     &scene::MaterialLayers::thickness_texture};
+    for (std::size_t i = 0; i < std::size(targets); ++i) {
+        const LayerTexture& from = k_layer_textures[i];
+        const bool srgb = from.info == &Layers::specular_color_texture || from.info == &Layers::sheen_color_texture;
+        const bool alpha = from.info == &Layers::specular_texture || from.info == &Layers::sheen_roughness_texture;
+        to.*targets[i] = use(l.*from.info, srgb, alpha, at(at(pointer, from.extension), from.property));
+    }
+    // A block that says what holds without it is left out, so that the material costs what others do.
+    scene::MaterialLayers plain;
+    plain.thin_walled = out.transmission == 0 && to.thin_walled;
+    const bool says_nothing = scene::same_values(to, plain);
+    if (!says_nothing) out.layers = std::make_shared<const scene::MaterialLayers>(std::move(to));
+}
+
 scene::MaterialId Materials::get(Index index, const std::array<bool, 2>& has_texcoords)
 {
     Material m = index == k_absent ? Material() : model_.materials[index];
     // Leave out the textures whose coordinates the primitive lacks.
     std::array<bool, 2> without{};
-    for (TextureInfo* info :
-         {&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture, &m.occlusion_texture,
-          &m.emissive_texture, m.glossiness ? &m.glossiness->diffuse_texture : nullptr,
-          m.glossiness ? &m.glossiness->specular_texture : nullptr}) {
+    std::vector<TextureInfo*> infos{&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
+                                    &m.occlusion_texture, &m.emissive_texture};
+    if (m.glossiness) infos.insert(infos.end(), {&m.glossiness->diffuse_texture, &m.glossiness->specular_texture});
+    if (m.layers)
+        for (const LayerTexture& texture : k_layer_textures) infos.push_back(&(*m.layers.*texture.info));
+    for (TextureInfo* info : infos) {
         if (!info || info->texture == k_absent || info->texcoord >= 2 || has_texcoords[info->texcoord]) continue;
         without[info->texcoord] = true;
         if (info == &m.emissive_texture) m.emissive = {0, 0, 0};   // only the texture says where it emits
@@ -356,6 +397,7 @@ scene::MaterialId Materials::get(Index index, const std::array<bool, 2>& has_tex
     if (m.emissive_texture.texture != k_absent && out.emissive_texture.texture == scene::none) out.emissive = {0, 0, 0};
     out.transmission = m.transmission;
     out.ior = m.ior > 0 ? m.ior : 1.5f;   // 0 selects an old gloss model [KHR_materials_ior]
+    if (m.layers && !m.unlit) use_layers(m, at(here, "extensions"), out);
 
     id = static_cast<scene::MaterialId>(out_.materials.size());
     out_.materials.push_back(std::move(out));

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <charconv>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 namespace gnomon::io::gltf {
@@ -190,6 +192,53 @@ TextureInfo read_texture_info(const json& parent, const char* name, const char* 
     return info;
 }
 
+// Reads the extensions that add layers to a material; none if there is none of them.
+std::optional<Layers> read_layers(const json& j)
+{
+    Layers l;
+    bool any = false;
+    const auto read = [&](const char* name) {
+        const json* e = extension(j, name);
+        if (!e) return e;
+        any = true;
+        for (const LayerTexture& texture : k_layer_textures)
+            if (std::strcmp(texture.extension, name) == 0)
+                l.*texture.info = read_texture_info(
+                    *e, texture.property, texture.info == &Layers::clearcoat_normal_texture ? "scale" : nullptr);
+        return e;
+    };
+    read("KHR_materials_transmission");
+    if (const json* e = read("KHR_materials_specular")) {
+        l.specular = real(*e, "specularFactor", 1);
+        array(*e, "specularColorFactor", l.specular_color);
+    }
+    if (const json* e = read("KHR_materials_clearcoat")) {
+        l.clearcoat = real(*e, "clearcoatFactor", 0);
+        l.clearcoat_roughness = real(*e, "clearcoatRoughnessFactor", 0);
+    }
+    if (const json* e = read("KHR_materials_sheen")) {
+        array(*e, "sheenColorFactor", l.sheen_color);
+        l.sheen_roughness = real(*e, "sheenRoughnessFactor", 0);
+    }
+    if (const json* e = read("KHR_materials_anisotropy")) {
+        l.anisotropy = real(*e, "anisotropyStrength", 0);
+        l.anisotropy_rotation = real(*e, "anisotropyRotation", 0);
+    }
+    if (const json* e = read("KHR_materials_iridescence")) {
+        l.iridescence = real(*e, "iridescenceFactor", 0);
+        l.iridescence_ior = real(*e, "iridescenceIor", 1.3f);
+        l.iridescence_thickness_least = real(*e, "iridescenceThicknessMinimum", 100);
+        l.iridescence_thickness_most = real(*e, "iridescenceThicknessMaximum", 400);
+    }
+    if (const json* e = read("KHR_materials_volume")) {
+        l.thickness = real(*e, "thicknessFactor", 0);
+        l.attenuation_distance = real(*e, "attenuationDistance", 0);
+        array(*e, "attenuationColor", l.attenuation_color);
+    }
+    if (const json* e = read("KHR_materials_dispersion")) l.dispersion = real(*e, "dispersion", 0);
+    return any ? std::optional(l) : std::nullopt;
+}
+
 Material read_material(const json& j)
 {
     Material m;
@@ -221,6 +270,7 @@ Material read_material(const json& j)
         g.specular_texture = read_texture_info(*e, "specularGlossinessTexture");
     }
     if (const json* e = extension(j, "KHR_materials_transmission")) m.transmission = real(*e, "transmissionFactor", 0);
+    m.layers = read_layers(j);
     return m;
 }
 
@@ -263,6 +313,7 @@ Node read_node(const json& j)
     n.rotation = optional_array<double, 4>(j, "rotation");
     n.scale = optional_array<double, 3>(j, "scale");
     n.weights = list<float>(j, "weights");
+    if (const json* e = extension(j, "KHR_node_visibility")) n.visible = !member(*e, "visible") || flag(*e, "visible");
     if (const json* e = extension(j, "EXT_mesh_gpu_instancing")) {
         const json* attributes = member(*e, "attributes");
         n.instances = attributes ? read_attributes(*attributes) : Attributes();
@@ -287,7 +338,10 @@ Animation read_animation(const json& j)
         channel.path_word = text(target, "path");
         const auto found = paths.find(channel.path_word);
         channel.path = found == paths.end() ? Path::unknown : found->second;
-        channel.has_pointer = extension(target, "KHR_animation_pointer") != nullptr;
+        if (const json* e = extension(target, "KHR_animation_pointer")) {
+            channel.has_pointer = true;
+            channel.pointer = text(*e, "pointer");
+        }
         return channel;
     });
     each(j, "samplers", a.samplers, [](const json& s) {
@@ -300,6 +354,33 @@ Animation read_animation(const json& j)
         return sampler;
     });
     return a;
+}
+
+// Replaces pointers to properties of nodes by the nodes and paths that they point to.
+void resolve_pointers(Model& model)
+{
+    constexpr std::pair<const char*, Path> properties[] = {
+        {"translation", Path::translation},
+        {"rotation", Path::rotation},
+        {"scale", Path::scale},
+        {"weights", Path::weights},
+        {"extensions/KHR_node_visibility/visible", Path::visibility}};
+    constexpr std::string_view prefix = "/nodes/";
+    for (Animation& animation : model.animations)
+        for (Channel& channel : animation.channels) {
+            if (!channel.has_pointer || channel.path != Path::pointer || channel.node != k_absent) continue;
+            const std::string& pointer = channel.pointer;
+            if (pointer.compare(0, prefix.size(), prefix) != 0) continue;
+            Index node = 0;
+            const char* const end = pointer.data() + pointer.size();
+            const auto [stop, error] = std::from_chars(pointer.data() + prefix.size(), end, node);
+            if (error != std::errc() || stop == end || *stop != '/' || node >= model.nodes.size()) continue;
+            for (const auto& [name, path] : properties)
+                if (std::string_view(stop + 1, static_cast<std::size_t>(end - stop - 1)) == name) {
+                    channel.node = node, channel.path = path, channel.path_word = name, channel.has_pointer = false;
+                    break;
+                }
+        }
 }
 
 Camera read_camera(const json& j)
@@ -457,6 +538,7 @@ Model read_model(const json& document)
         return SceneEntry{text(j, "name"), list<Index>(j, "nodes").value_or(std::vector<Index>())};
     });
     if (member(document, "scene")) m.scene = index(document, "scene");
+    resolve_pointers(m);
     return m;
 }
 

@@ -106,6 +106,42 @@ struct Glossiness {
     TextureInfo diffuse_texture, specular_texture;
 };
 
+/// KHR_materials_specular, clearcoat, sheen, anisotropy, iridescence, volume, dispersion, and the texture of
+/// transmission. Members as in scene::MaterialLayers.
+struct Layers {
+    float specular = 1;
+    std::array<float, 3> specular_color{1, 1, 1};
+    float clearcoat = 0, clearcoat_roughness = 0;
+    std::array<float, 3> sheen_color{0, 0, 0};
+    float sheen_roughness = 0, anisotropy = 0, anisotropy_rotation = 0;
+    float iridescence = 0, iridescence_ior = 1.3f, iridescence_thickness_least = 100, iridescence_thickness_most = 400;
+    float thickness = 0, attenuation_distance = 0, dispersion = 0;
+    std::array<float, 3> attenuation_color{1, 1, 1};
+    TextureInfo specular_texture, specular_color_texture, clearcoat_texture, clearcoat_roughness_texture,
+        clearcoat_normal_texture, sheen_color_texture, sheen_roughness_texture, anisotropy_texture, iridescence_texture,
+        iridescence_thickness_texture, transmission_texture, thickness_texture;
+};
+
+/// The textures of the layers, with the property of the file that each is read from.
+struct LayerTexture {
+    TextureInfo Layers::*info;
+    const char* extension;
+    const char* property;
+};
+inline constexpr LayerTexture k_layer_textures[] = {
+    {&Layers::specular_texture, "KHR_materials_specular", "specularTexture"},
+    {&Layers::specular_color_texture, "KHR_materials_specular", "specularColorTexture"},
+    {&Layers::clearcoat_texture, "KHR_materials_clearcoat", "clearcoatTexture"},
+    {&Layers::clearcoat_roughness_texture, "KHR_materials_clearcoat", "clearcoatRoughnessTexture"},
+    {&Layers::clearcoat_normal_texture, "KHR_materials_clearcoat", "clearcoatNormalTexture"},
+    {&Layers::sheen_color_texture, "KHR_materials_sheen", "sheenColorTexture"},
+    {&Layers::sheen_roughness_texture, "KHR_materials_sheen", "sheenRoughnessTexture"},
+    {&Layers::anisotropy_texture, "KHR_materials_anisotropy", "anisotropyTexture"},
+    {&Layers::iridescence_texture, "KHR_materials_iridescence", "iridescenceTexture"},
+    {&Layers::iridescence_thickness_texture, "KHR_materials_iridescence", "iridescenceThicknessTexture"},
+    {&Layers::transmission_texture, "KHR_materials_transmission", "transmissionTexture"},
+    {&Layers::thickness_texture, "KHR_materials_volume", "thicknessTexture"}};
+
 struct Material {
     std::string name;
     std::array<float, 4> base_color{1, 1, 1, 1};
@@ -118,6 +154,7 @@ struct Material {
     bool unlit = false;
     float emissive_strength = 1, ior = 1.5f, transmission = 0;
     std::optional<Glossiness> glossiness;   // replaces metallic-roughness
+    std::optional<Layers> layers;
 };
 
 using Attributes = std::map<std::string, Index>;
@@ -156,6 +193,7 @@ struct Node {
     std::optional<std::array<double, 4>> rotation;   // x y z w
     std::optional<std::vector<float>> weights;
     std::optional<Attributes> instances;   // EXT_mesh_gpu_instancing
+    bool visible = true;                   // KHR_node_visibility; with everything below
 };
 
 struct Skin {
@@ -164,7 +202,7 @@ struct Skin {
     std::vector<Index> joints;
 };
 
-enum class Path : std::uint8_t { translation, rotation, scale, weights, pointer, unknown };
+enum class Path : std::uint8_t { translation, rotation, scale, weights, visibility, pointer, unknown };
 enum class Interpolation : std::uint8_t { linear, step, cubic_spline, unknown };
 
 struct Channel {
@@ -172,7 +210,8 @@ struct Channel {
     Index node = k_absent;
     Path path = Path::unknown;
     std::string path_word;
-    bool has_pointer = false;
+    bool has_pointer = false;   // KHR_animation_pointer, to something that is not a property of a node
+    std::string pointer;
 };
 
 struct AnimationSampler {

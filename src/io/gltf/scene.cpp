@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -15,6 +16,7 @@
 #include "io/gltf/meshopt.h"
 #include "io/gltf/text.h"
 #include "io/load.h"
+#include "scene/file_surfaces.h"
 
 namespace gnomon::io {
 
@@ -214,6 +216,9 @@ void build_scene(const Model& model, const Data& data, const std::vector<Index>&
         const scene::NodeId id =
             out.add_node(source.name, above == k_absent ? scene::none : ids[above], local_matrix(source));
         ids[index] = id;
+        if (!source.visible)
+            out.nodes[id].visibility = std::make_shared<scene::VisibilityTrack>(
+                scene::VisibilityTrack{{std::numeric_limits<double>::lowest()}, {false}});
         interruption_point();
         stack.insert(stack.end(), source.children.rbegin(), source.children.rend());
 
@@ -311,6 +316,8 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
     materials.check_unused();
     step(0.9);
     scene.warnings = context.take_warnings();
+    scene::find_solid_blends(scene);
+    scene::find_outlines(scene);
     scene.finish();
     step(1);
     return scene;

@@ -15,6 +15,7 @@
 #include "io/obj/mesh.h"
 #include "io/obj/mtl.h"
 #include "io/obj/textures.h"
+#include "scene/file_surfaces.h"
 
 namespace gnomon::io {
 
@@ -140,6 +141,8 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
     add_obj_meshes(scene, data, material_of, {});
     data = {};
     add_obj_textures(scene, mtl, folder);
+    scene::find_solid_blends(scene);
+    scene::find_outlines(scene);
     scene.finish();
     return scene;
 }

@@ -48,6 +48,7 @@ void RayScene::Impl::build(const scene::SceneState& state)
 {
     scene = state.shared_scene();
     width = packet_width();
+    thins_light = std::any_of(scene->materials.begin(), scene->materials.end(), scene::thins_light);
     geometry.resize(scene->objects.size());
     still_ids.resize(scene->objects.size());
     solid_of_group.assign(scene->groups.size(), scene::none);
@@ -239,7 +240,7 @@ void RayScene::Impl::finish_shared()
             const GeometryHandle instance(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
             rtcSetGeometryInstancedScene(instance.get(), placed.shared->tree.get());
             rtcSetGeometryTransform(instance.get(), 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, &placed.to_world);
-            rtcSetGeometryMask(instance.get(), k_mask_seen | k_mask_blocks);
+            rtcSetGeometryMask(instance.get(), k_mask_all);
             rtcCommitGeometry(instance.get());
             rtcAttachGeometryByID(still.get(), instance.get(), id);
         }
@@ -322,7 +323,7 @@ void RayScene::Impl::finish(std::uint32_t s, const scene::SceneState& state)
     if (solid.deforming) refit(solid, state);
     solid.instance = GeometryHandle(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
     rtcSetGeometryInstancedScene(solid.instance.get(), solid.tree.get());
-    rtcSetGeometryMask(solid.instance.get(), k_mask_seen | k_mask_blocks);
+    rtcSetGeometryMask(solid.instance.get(), k_mask_all);
     place(solid, state);
     show(solid, solid.visible);
 }

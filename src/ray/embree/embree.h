@@ -8,8 +8,11 @@
 #include <atomic>
 #include <cstddef>
 #include <memory>
+#include <tuple>
 #include <utility>
+#include <vector>
 
+#include "base/math.h"
 #include "base/memory_limit.h"
 
 namespace gnomon::ray {
@@ -72,6 +75,17 @@ using GeometryHandle = EmbreeHandle<RTCGeometry, rtcReleaseGeometry>;
 /// Mask bits of rays and geometries.
 inline constexpr unsigned k_mask_seen = 1;     // for closest-hit rays
 inline constexpr unsigned k_mask_blocks = 2;   // for shadow rays
+inline constexpr unsigned k_mask_thins = 4;    // for rays that collect what light passes through
+inline constexpr unsigned k_mask_all = k_mask_seen | k_mask_blocks | k_mask_thins;
+
+/// A hit on a surface that thins light. Embree may report the same one several times, because its trees may hold a
+/// triangle in several places.
+struct ThinHit {
+    unsigned ray, instance, geometry, triangle;   // Embree's ids
+    glm::vec3 passes;
+
+    auto place() const { return std::tuple(ray, instance, geometry, triangle); }
+};
 
 /// Context of a trace for filters; extends Embree's own.
 ///
@@ -83,6 +97,7 @@ struct TraceContext {
     enum class Kind { closest, any };
     RTCIntersectContext embree;   // must be first: filters get a pointer to it
     bool front_only = false;
+    std::vector<ThinHit>* thin = nullptr;   // takes the hits of rays with k_mask_thins
 
     explicit TraceContext(Kind kind, bool front = false) : front_only(front)
     {

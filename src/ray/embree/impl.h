@@ -144,6 +144,7 @@ struct RayScene::Impl {
     mutable std::array<Sums, k_ray_classes> kdtree_sums;   // by RayClass, of this frame
 
     std::vector<ObjectGeometry> geometry;
+    bool thins_light = false;   // any material does
     RaySceneStatistics statistics;
     std::uint64_t updates = 0;
     std::size_t baked_bytes = 0;

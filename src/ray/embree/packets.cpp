@@ -108,6 +108,17 @@ void occlude_width(RTCScene scene, RTCScene then, TraceContext& context, const R
     }
 }
 
+template <int W>
+void thin_width(RTCScene scene, TraceContext& context, const RayQueue& rays, std::size_t begin, int count)
+{
+    typename Packet<W>::Ray packet;
+    alignas(64) int valid[W];
+    for (int i = 0; i < W; ++i) valid[i] = i < count ? -1 : 0;
+    load<W>(packet, rays, begin, k_mask_thins, valid);
+    for (int i = 0; i < W; ++i) packet.id[i] = static_cast<unsigned>(i);
+    Packet<W>::occluded(valid, scene, &context.embree, &packet);
+}
+
 }   // namespace
 
 void intersect_packet(int width, RTCScene scene, TraceContext& context, const RayQueue& rays, std::size_t begin,
@@ -138,6 +149,21 @@ void occlude_packet(int width, RTCScene scene, RTCScene then, TraceContext& cont
             break;
         default:
             occlude_width<4>(scene, then, context, rays, begin, count, active);
+            break;
+    }
+}
+
+void thin_packet(int width, RTCScene scene, TraceContext& context, const RayQueue& rays, std::size_t begin, int count)
+{
+    switch (width) {
+        case 16:
+            thin_width<16>(scene, context, rays, begin, count);
+            break;
+        case 8:
+            thin_width<8>(scene, context, rays, begin, count);
+            break;
+        default:
+            thin_width<4>(scene, context, rays, begin, count);
             break;
     }
 }

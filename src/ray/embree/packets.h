@@ -26,4 +26,7 @@ void intersect_packet(int width, RTCScene scene, TraceContext& context, const Ra
 void occlude_packet(int width, RTCScene scene, RTCScene then, TraceContext& context, const RayQueue& rays,
                     std::size_t begin, int count, int* active);
 
+/// Collects the hits on surfaces that thin light in `context.thin`; their `ray` is the lane.
+void thin_packet(int width, RTCScene scene, TraceContext& context, const RayQueue& rays, std::size_t begin, int count);
+
 }   // namespace gnomon::ray

@@ -122,6 +122,36 @@ void RayScene::occluded(const RayQueue& rays, std::size_t begin, std::size_t end
     }
 }
 
+bool RayScene::thins_light() const
+{
+    return impl_->thins_light;
+}
+
+void RayScene::let_through(const RayQueue& rays, std::size_t begin, std::size_t end, glm::vec3* to) const
+{
+    const Impl& in = *impl_;
+    std::fill(to, to + (end - begin), glm::vec3(1));
+    if (!in.thins_light) return;
+    std::vector<ThinHit> hits;
+    TraceContext context(TraceContext::Kind::any);
+    context.thin = &hits;
+    const auto step = static_cast<std::size_t>(in.width);
+    for (std::size_t at = begin; at < end; at += step) {
+        const int count = static_cast<int>(std::min(step, end - at));
+        for (const SceneHandle* tree : {&in.still, &in.moving}) {
+            if (tree == &in.moving && in.solid_of_instance.empty()) break;
+            hits.clear();
+            thin_packet(in.width, tree->get(), context, rays, at, count);
+            // Multiply in the order of the surfaces' numbers, each once.
+            std::sort(hits.begin(), hits.end(),
+                      [](const ThinHit& a, const ThinHit& b) { return a.place() < b.place(); });
+            const auto past = std::unique(hits.begin(), hits.end(),
+                                          [](const ThinHit& a, const ThinHit& b) { return a.place() == b.place(); });
+            for (auto hit = hits.begin(); hit != past; ++hit) to[at - begin + hit->ray] *= hit->passes;
+        }
+    }
+}
+
 const ObjectGeometry& RayScene::geometry(scene::ObjectId object) const
 {
     return impl_->geometry[object];

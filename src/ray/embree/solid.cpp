@@ -2,6 +2,7 @@
 #include "ray/embree/solid.h"
 
 #include "base/check.h"
+#include "ray/light_through.h"
 #include "scene/alpha_mask.h"
 
 namespace gnomon::ray {
@@ -59,6 +60,28 @@ void filter_any(const RTCFilterFunctionNArguments* args)
     filter(args, false);
 }
 
+// Notes how much light the surface lets through, and lets the ray pass.
+void filter_thin(const RTCFilterFunctionNArguments* args)
+{
+    const GeometryRecord& record = record_of(args->geometryUserPtr);
+    std::vector<ThinHit>* const hits = reinterpret_cast<const TraceContext*>(args->context)->thin;
+    const unsigned n = args->N;
+    for (unsigned lane = 0; lane < n; ++lane) {
+        if (args->valid[lane] != -1) continue;
+        args->valid[lane] = 0;
+        if (!hits) continue;
+        const unsigned primitive = RTCHitN_primID(args->hit, n, lane);
+        const std::uint32_t triangle = record.first_triangle + primitive;
+        const scene::Material& material = record.scene->materials[record.mesh->part_of(triangle).material];
+        if (!scene::thins_light(material)) continue;
+        const glm::vec3 passes = let_through(*record.scene, *record.mesh, material, triangle,
+                                             RTCHitN_u(args->hit, n, lane), RTCHitN_v(args->hit, n, lane));
+        if (passes == glm::vec3(1)) continue;
+        hits->push_back({RTCRayN_id(args->ray, n, lane), RTCHitN_instID(args->hit, n, lane, 0),
+                         RTCHitN_geomID(args->hit, n, lane), primitive, passes});
+    }
+}
+
 }   // namespace
 
 void BakedVertices::bake(const std::vector<glm::vec3>& from_positions, const std::vector<glm::vec3>& from_normals,
@@ -102,10 +125,11 @@ void attach_object(RTCDevice device, RTCScene scene, const scene::Scene& descrip
         const scene::SurfaceClass surface = material_of(mesh.parts[begin]).surface_class();
         std::size_t end = begin;
         std::uint32_t triangles = 0;
-        bool one_sided = false;
+        bool one_sided = false, thins = false;
         for (; end < mesh.parts.size() && material_of(mesh.parts[end]).surface_class() == surface; ++end) {
             triangles += mesh.parts[end].triangle_count;
             one_sided = one_sided || material_of(mesh.parts[end]).one_sided();
+            thins = thins || scene::thins_light(material_of(mesh.parts[end]));
         }
         const std::uint32_t first = mesh.parts[begin].first_triangle;
         begin = end;
@@ -117,7 +141,8 @@ void attach_object(RTCDevice device, RTCScene scene, const scene::Scene& descrip
         rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(),
                                    first * sizeof(glm::uvec3), sizeof(glm::uvec3), triangles);
         const bool blocks = surface != scene::SurfaceClass::transparent;
-        rtcSetGeometryMask(geometry.get(), k_mask_seen | (blocks ? k_mask_blocks : 0));
+        rtcSetGeometryMask(geometry.get(), k_mask_seen | (blocks ? k_mask_blocks : 0) | (thins ? k_mask_thins : 0));
+        if (thins) rtcSetGeometryOccludedFilterFunction(geometry.get(), &filter_thin);
 
         const auto id = static_cast<unsigned>(records.size());
         records.push_back({&description, &mesh, object, first, one_sided, mirrored});

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "trace/passing_light.h"
+
+#include <algorithm>
+
+#include "ray/origin.h"
+
+namespace gnomon::trace {
+
+glm::vec3 PassingLight::from_light(const shading::SurfacePoint& s, const glm::vec3& origin,
+                                   const scene::SizedLight& light)
+{
+    if (!any_) return glm::vec3(1);
+    queue_.clear(), weight_.clear();
+    const std::size_t step = std::max<std::size_t>(1, (light.places.size() + k_rays - 1) / k_rays);
+    for (std::size_t i = step / 2; i < light.places.size(); i += step) {
+        const scene::SizedPlace& place = light.places[i];
+        const glm::vec3 way = place.position - origin;
+        const float square = glm::dot(way, way), cosine = glm::dot(way, s.normal);
+        if (!(square > 0) || cosine <= 0 || glm::dot(way, s.geometric_normal) <= 0) continue;
+        queue_.push(origin, 0, way, ray::k_shadow_ray_end);
+        weight_.push_back(place.area * luminance(place.radiance) * cosine / (square * square));
+    }
+    return mean();
+}
+
+glm::vec3 PassingLight::from_cells(const shading::SurfacePoint& s, const glm::vec3& origin,
+                                   const environment_light::DirectionCells& cells, std::span<const std::uint64_t> seen)
+{
+    if (!any_) return glm::vec3(1);
+    queue_.clear(), weight_.clear();
+    const auto counts = [&](std::size_t leaf) {
+        return (seen[leaf / 64] >> (leaf % 64) & 1) != 0 && glm::dot(cells.direction(leaf), s.normal) > 0;
+    };
+    std::size_t count = 0;
+    for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) count += counts(leaf);
+    const std::size_t step = std::max<std::size_t>(1, (count + k_rays - 1) / k_rays);
+    std::size_t number = 0;
+    for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
+        if (!counts(leaf) || number++ % step != step / 2) continue;
+        const glm::vec3 direction = cells.direction(leaf);
+        queue_.push(origin, 0, direction, k_infinity);
+        weight_.push_back(luminance(cells.flux(leaf)) * glm::dot(direction, s.normal));
+    }
+    return mean();
+}
+
+glm::vec3 PassingLight::mean()
+{
+    passes_.resize(weight_.size());
+    rays_.let_through(queue_, 0, queue_.size(), passes_.data());
+    glm::dvec3 sum(0);
+    double all = 0;
+    for (std::size_t i = 0; i < weight_.size(); ++i) {
+        sum += static_cast<double>(weight_[i]) * glm::dvec3(passes_[i]);
+        all += static_cast<double>(weight_[i]);
+    }
+    return all > 0 ? glm::vec3(sum / all) : glm::vec3(1);
+}
+
+}   // namespace gnomon::trace
