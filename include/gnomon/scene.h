@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -155,6 +156,8 @@ struct LoadOptions {
     /// The animation of a glTF file that plays, by name or by number from 0; "all": all of them. Empty: the first, and
     /// each further one that animates nothing that one before it animates already.
     std::string animation{};
+    /// A ground under the scene that shows shadows and nothing else. Without a value: where the library adds a studio.
+    std::optional<bool> ground{};
     /// The variant of a glTF file's materials, by name. Empty: the materials that the file gives without a variant.
     std::string variant{};
 };

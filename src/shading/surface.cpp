@@ -204,6 +204,7 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
         s.normal = unit_or(s.normal - (facing - 1e-3f) * s.to_viewer, s.geometric_normal);
 
     s.model = material.model;
+    s.catches_shadows = material.catches_shadows;
     if (material.model == scene::ShadingModel::whitted)
         fill_whitted(material, frame, s);
     else

@@ -48,6 +48,7 @@ struct Path {
     bool sees_no_light = false;   // emission and background at its end are counted already, by a lobe
     float emission = 1;           // the share of emission at its end that is not counted already, by a highlight
     float background = 1;         // likewise, of the background
+    bool straight = false;        // it came from the camera without being reflected or refracted
 };
 
 /// A point to shade.
@@ -56,7 +57,9 @@ struct TilePoint {
     shading::Continuation next;
     std::uint32_t pixel;   // of the tile
     glm::vec3 throughput;
-    bool glossy = false;   // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
+    bool straight = false;   // see Path
+    bool behind = false;     // its light counts as what lies behind the scene: TracedOptions::backdrop_apart
+    bool glossy = false;     // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
 };
 
 /// The points of one queue. The spans hold until the batch is shaded.

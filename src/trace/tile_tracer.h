@@ -62,6 +62,9 @@ class TileTracer {
     void trace_queue(const PathQueue& queue);
     void shade_hits(const PathQueue& queue, bool primary, int sample);
     void sort_hits(std::size_t count);
+    glm::vec3 open_irradiance(const shading::SurfacePoint& s) const;
+    glm::vec3 show_behind(TilePoint& point, const glm::vec3& direction) const;
+    glm::vec3& sum_of(const TilePoint& point) { return point.behind ? backdrop_[point.pixel] : color_[point.pixel]; }
     void add_lights(const PointBatch& batch, Stopwatch& watch);
     void add_sized_lights(const PointBatch& batch, Stopwatch& watch);
     void add_environment(const PointBatch& batch, Stopwatch& watch);
@@ -96,6 +99,8 @@ class TileTracer {
     std::vector<std::uint32_t> lit_;   // points that the present light reaches
     IndirectResult arrives_;
 
+    glm::vec3 open_sky_{0};             // irradiance of a surface that faces up, by a sky without its sun
+    std::vector<glm::vec3> backdrop_;   // how much is seen of what lies behind, by pixel of the tile
     std::vector<glm::vec3> color_, direct_, indirect_color_, albedo_, normal_;   // by pixel of the tile
     std::vector<glm::vec3> variance_, first_irradiance_, first_variance_;        // of an estimate
     std::vector<float> depth_, shadow_;
