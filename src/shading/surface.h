@@ -24,10 +24,8 @@ struct SurfacePoint {
     bool winding_front = true;   // that side is the front by world-space winding (differs from `front` under mirroring)
     bool front = true;           // the ray hit the front
     bool catches_shadows = false;   // see scene::Material
-    bool smooth = false;   // the shading normal is interpolated over a smooth surface that the mesh approximates
-    glm::vec3 rise{0};     // from the position to that surface, where it bulges; else 0
-    float offset = 0;      // distance along the geometric normal at which new rays start (rounding)
-    RayCone cone;          // at the point
+    float offset = 0;               // distance along the geometric normal at which new rays start (rounding)
+    RayCone cone;                   // at the point
 
     // The material at the point. Diffuse: reflectance. Specular: mirror reflectance at normal incidence.
     scene::ShadingModel model = scene::ShadingModel::metallic_roughness;

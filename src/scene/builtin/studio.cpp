@@ -17,15 +17,15 @@ struct SoftBox {
 };
 
 constexpr SoftBox k_boxes[] = {
-    {-38, 46, 0.55f, 0.42f, {8.6f, 8.3f, 7.9f}},    // key
-    {74, 42, 0.60f, 0.38f, {2.6f, 2.65f, 2.7f}},    // fill
-    {0, 88, 0.75f, 0.75f, {1.7f, 1.7f, 1.7f}},      // ceiling
-    {-128, 40, 0.16f, 0.38f, {5.2f, 5.5f, 5.9f}},   // strips behind
+    {-38, 46, 0.55f, 0.42f, {10.6f, 10.3f, 9.8f}},   // key
+    {74, 42, 0.60f, 0.38f, {3.6f, 3.65f, 3.7f}},     // fill
+    {0, 88, 0.75f, 0.75f, {2.4f, 2.4f, 2.4f}},       // ceiling
+    {-128, 40, 0.16f, 0.38f, {5.2f, 5.5f, 5.9f}},    // strips behind
     {146, 44, 0.16f, 0.36f, {4.4f, 4.6f, 5.0f}},
 };
 constexpr float k_edge = 0.06f;   // width of a box's soft edge, as a tangent
 
-constexpr glm::vec3 k_floor{0.62f, 0.62f, 0.62f}, k_horizon{0.74f, 0.74f, 0.745f}, k_wall{0.30f, 0.30f, 0.31f};
+constexpr glm::vec3 k_floor{0.33f, 0.33f, 0.33f}, k_horizon{0.43f, 0.43f, 0.435f}, k_wall{0.22f, 0.22f, 0.225f};
 constexpr float k_floor_depth = 0.7f;    // sine below the horizon at which the floor has its own colour
 constexpr float k_wall_height = 0.45f;   // sine above it at which the wall has
 

@@ -35,7 +35,10 @@ bool is_landscape(const SceneState& state, const SurroundingsOptions& options)
     if (box.empty()) return false;
     const glm::dvec3 size(box.size());
     const double side = std::max(size.x, size.z), other = std::min(size.x, size.z);
-    if (!(side >= static_cast<double>(options.landscape_side)) || size.y > side) return false;
+    if (!(side >= static_cast<double>(options.landscape_side)) ||
+        other < static_cast<double>(options.landscape_depth) * side ||
+        size.y > static_cast<double>(options.landscape_height) * side)
+        return false;
     // Look straight down from far away.
     constexpr double far = 50;
     TestImageOptions image_options;
@@ -135,7 +138,7 @@ void add_surroundings(Scene& scene, const SurroundingsOptions& options)
     GNOMON_CHECK(!scene.child_begin.empty());   // after finish()
     const bool has_own = !scene.lights.empty();
     bool ground = options.ground.value_or(false);
-    if (!scene.objects.empty() && !(has_own && share_reached(scene) >= options.enough_reached)) {
+    if (!(has_own && share_reached(scene) >= options.enough_reached)) {
         const char* const why =
             has_own ? "no light in the scene reaches half of what is in view" : "no light in the scene";
         const SceneState state = state_at_start(scene);
@@ -146,7 +149,7 @@ void add_surroundings(Scene& scene, const SurroundingsOptions& options)
             add_sky_and_sun(scene, nullptr, why);
         } else {
             add_studio(scene, options);
-            ground = options.ground.value_or(!room);
+            ground = options.ground.value_or(!room && !scene.objects.empty());
             scene.warnings.push_back(fmt::format("{}: added a studio{}", why, ground ? " and a ground" : ""));
         }
     }

@@ -13,11 +13,13 @@
 namespace gnomon::scene {
 
 struct SurroundingsOptions {
-    std::optional<bool> ground;     // none: with the studio
-    float enough_reached = 0.5f;    // of the surfaces in view
-    float landscape_side = 15;      // metres: the least longer horizontal side of a landscape
-    float landscape_cover = 0.6f;   // at least this fraction of its rectangle shows a surface from above
-    int lights = 16;                // directional lights that approximate the studio where light maps need points
+    std::optional<bool> ground;      // none: with the studio
+    float enough_reached = 0.5f;     // of the surfaces in view
+    float landscape_side = 15;       // metres: the least longer horizontal side of a landscape
+    float landscape_depth = 0.3f;    // at least this fraction of it is the shorter one
+    float landscape_height = 0.6f;   // at most this fraction of it is the height
+    float landscape_cover = 0.6f;    // at least this fraction of its rectangle shows a surface from above
+    int lights = 16;                 // directional lights that approximate the studio where light maps need points
 };
 
 /// Call after finish(), add_emitter_lights() and add_default_camera(). Each addition gives a warning.
