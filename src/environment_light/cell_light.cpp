@@ -193,6 +193,8 @@ CellLight::CellLight(const DirectionCells& cells, const scene::Environment* envi
     : cells_(cells), environment_(environment), options_(options), exists_(cells.words(), 0), normals_(options.normals)
 {
     const std::size_t padded = 64 * cells.words();
+    angle_.assign(padded, 0);
+    for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) angle_[leaf] = cells.angle(leaf);
     for (int axis = 0; axis < 3; ++axis) {
         const auto a = static_cast<std::size_t>(axis);
         for (auto* list : {&mean_[a], &flux_[a], &units_[a]}) list->assign(padded, 0);
@@ -278,27 +280,34 @@ glm::vec3 CellLight::blurred(const glm::vec3& direction, float roughness) const
     return glm::mix(lobes_->tables[above - 1].at(direction), lobes_->tables[above].at(direction), t);
 }
 
-glm::vec3 CellLight::visible_share(const glm::vec3& direction, float roughness, const glm::vec3& geometric_normal,
-                                   const glm::vec3& normal, std::span<const std::uint64_t> seen) const
+// The weight of a cell is what the lobe reflects of it: the distribution of normals times masking and shadowing of the
+// microfacets [Heitz 2014, equation 99], without constant factors.
+glm::vec3 CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> seen) const
 {
-    const float alpha = std::max(roughness, options_.least_roughness) * std::max(roughness, options_.least_roughness);
-    const float a2 = alpha * alpha;
+    const float roughness = std::max(lobe.roughness, options_.least_roughness);
+    const float alpha = roughness * roughness, a2 = alpha * alpha;
+    const glm::vec3 &v = lobe.to_viewer, &n = lobe.normal, &g = lobe.geometric_normal;
+    const float n_v = std::max(glm::dot(n, v), 1e-3f), masking = std::sqrt(a2 + (1 - a2) * n_v * n_v);
     const ByteMasks& masks = byte_masks();
     // By lane, so that the sums have a fixed order.
     std::array<std::array<float, k_lanes>, 3> all{}, visible{};
+    std::array<float, k_lanes> angles{};
     for (std::size_t first = 0; first < 64 * seen.size(); first += k_lanes) {
         const float *x = mean_[0].data() + first, *y = mean_[1].data() + first, *z = mean_[2].data() + first;
         const auto& keep = masks.of[seen[first / 64] >> (first % 64) & 0xff];
         std::array<float, k_lanes> weight, kept;
         for (std::size_t i = 0; i < k_lanes; ++i) {
-            const float c = direction.x * x[i] + direction.y * y[i] + direction.z * z[i];
-            const float over = normal.x * x[i] + normal.y * y[i] + normal.z * z[i];
-            const float over_geometric =
-                geometric_normal.x * x[i] + geometric_normal.y * y[i] + geometric_normal.z * z[i];
-            const float half2 = 0.5f * (1 + c), d = half2 * (a2 - 1) + 1;
-            const bool counts = c > 0 && over > 0 && over_geometric > 0;
-            weight[i] = counts ? c / (d * d) : 0;
+            const float l_v = v.x * x[i] + v.y * y[i] + v.z * z[i];
+            const float n_l = n.x * x[i] + n.y * y[i] + n.z * z[i];
+            const float g_l = g.x * x[i] + g.y * y[i] + g.z * z[i];
+            // The squared cosine between the normal and the half vector.
+            const float half2 = (n_l + n_v) * (n_l + n_v) / std::max(2 + 2 * l_v, 1e-6f);
+            const float d = half2 * (a2 - 1) + 1;
+            const float shadowing = std::sqrt(a2 + (1 - a2) * n_l * n_l);
+            const bool counts = n_l > 0 && g_l > 0;
+            weight[i] = counts ? n_l / (d * d * (n_l * masking + n_v * shadowing)) : 0;
             kept[i] = keep[i] != 0 ? weight[i] : 0;
+            angles[i] += weight[i] * angle_[first + i];
         }
         for (std::size_t colour = 0; colour < 3; ++colour) {
             const float* flux = flux_[colour].data() + first;
@@ -308,19 +317,25 @@ glm::vec3 CellLight::visible_share(const glm::vec3& direction, float roughness, 
             }
         }
     }
-    glm::vec3 share(1);
+    float angle = 0;
+    for (const float of_lane : angles) angle += of_lane;
+    glm::vec3 share(0), mean(0);
     for (int colour = 0; colour < 3; ++colour) {
         const auto c = static_cast<std::size_t>(colour);
         float whole = 0, part = 0;
         for (std::size_t i = 0; i < k_lanes; ++i) whole += all[c][i], part += visible[c][i];
         share[colour] = whole > 0 ? std::min(part / whole, 1.0f) : 0;
+        mean[colour] = angle > 0 ? whole / angle : 0;
     }
-    return share;
+    const float by_cells =
+        std::clamp((lobe.roughness - options_.by_tables) / (options_.by_cells - options_.by_tables), 0.0f, 1.0f);
+    if (by_cells < 1) mean = glm::mix(blurred(lobe.mirrored, lobe.roughness), mean, by_cells);
+    return mean * share;
 }
 
 std::size_t CellLight::bytes() const
 {
-    std::size_t bytes = 9 * mean_[0].size() * sizeof(float) + normals_.size() * sizeof(glm::vec3);
+    std::size_t bytes = 10 * mean_[0].size() * sizeof(float) + normals_.size() * sizeof(glm::vec3);
     if (lobes_) {
         for (const Lobes::Level& level : lobes_->levels) bytes += level.flux.size() * (sizeof(glm::vec3) + 16);
         for (const DirectionTable& table : lobes_->tables) bytes += table.size() * sizeof(glm::vec3);

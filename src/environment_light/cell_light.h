@@ -8,9 +8,11 @@
 // terms. Terms are whole numbers of a small unit, so that a sum does not depend on the order of its terms: what was
 // proven and what was found by rays may be added separately.
 //
-// A lobe sees the radiance blurred as a lobe of its width blurs it when it is seen along the normal [Karis 2013], from
-// tables over directions that are made when the first lobe asks. How much of it is visible is the ratio of visible
-// weights to all weights, over cells; a lobe that cells cannot resolve is widened for that.
+// A lobe that is wider than cells sees the mean of their radiance, weighted by the lobe as it is seen from this very
+// direction: long at a slant. A narrower one sees the radiance blurred as a lobe of its width blurs it when it is seen
+// along the normal [Karis 2013], from tables over directions that are made when the first such lobe asks; in between,
+// both are blended. How much of it is visible is the ratio of visible weights to all weights, over cells; a lobe that
+// cells cannot resolve is widened for that.
 //
 // Cost: a table look-up (bilinear) where all cells above the surface are visible; else some 3 ns for each cell that is
 // hidden, or visible. The table over normals takes some 50 ms, those of lobes 300 ms (2 cores, AMD EPYC with AVX-512).
@@ -28,6 +30,16 @@ namespace gnomon::environment_light {
 struct CellLightOptions {
     int normals = 96;               // a side, of the table over normals
     float least_roughness = 0.4f;   // of the lobe that visibility is weighted by
+    // Of lobes: up to the first from tables, from the second on by cells.
+    float by_tables = 0.3f, by_cells = 0.45f;
+};
+
+/// A lobe at a point of a surface; all directions are unit.
+struct Lobe {
+    glm::vec3 to_viewer{0};
+    glm::vec3 mirrored{0};                      // the direction that a mirror shows
+    glm::vec3 normal{0}, geometric_normal{0};   // what lies below either horizon has no weight
+    float roughness = 1;                        // perceptual
 };
 
 /// A function of the direction, as a table over the vertices of a square that folds to an octahedron
@@ -64,10 +76,10 @@ class CellLight {
 
     /// The mean radiance that a lobe around a mirror direction sees. @param roughness  perceptual
     glm::vec3 blurred(const glm::vec3& direction, float roughness) const;
-    /// The visible share of it, by colour.
-    /// @param geometric_normal, normal  unit: what lies below either horizon has no weight
-    glm::vec3 visible_share(const glm::vec3& direction, float roughness, const glm::vec3& geometric_normal,
-                            const glm::vec3& normal, std::span<const std::uint64_t> seen) const;
+    /// What a lobe sees of the visible cells, as a mean over all of the lobe: where it sees all of an even sky, the
+    /// sky's radiance.
+    /// @param seen  a bit for each leaf
+    glm::vec3 seen_by(const Lobe& lobe, std::span<const std::uint64_t> seen) const;
     std::size_t bytes() const;
 
  private:
@@ -79,6 +91,7 @@ class CellLight {
     const scene::Environment* environment_;
     CellLightOptions options_;
     std::array<std::vector<float>, 3> mean_, flux_;   // by axis and colour, padded to whole words
+    std::vector<float> angle_;                        // solid; as long
     std::array<std::vector<float>, 3> units_;         // flux in units of the sums
     glm::vec3 unit_{0};
     std::vector<std::uint64_t> exists_;   // leaves

@@ -27,6 +27,11 @@ void for_each_bit(std::span<const std::uint64_t> mask, const Body& body)
             body(64 * w + static_cast<std::size_t>(std::countr_zero(word)));
 }
 
+bool has(std::span<const std::uint64_t> mask, std::size_t leaf)
+{
+    return (mask[leaf / 64] >> (leaf % 64) & 1) != 0;
+}
+
 }   // namespace
 
 void VisibilityCounters::add(const VisibilityCounters& other)
@@ -188,13 +193,14 @@ void CellVisibility::decide_alone(const Query& query) const
     decide(query, 0);
 }
 
-// Decides the wanted cells of the points of a pass: of groups, scouts first.
+// Decides the wanted cells of the points of a pass, scouts first: those of groups, and for points without guides, which
+// want all cells, those of families.
 void CellVisibility::decide(const Query& query, int pass) const
 {
     Scratch& scratch = query.scratch;
-    if (cells_.groups().empty()) return decide_wanted(query, pass);
+    const bool by_families = pass == 0 && !cells_.families().empty();
+    if (cells_.groups().empty() && !by_families) return decide_wanted(query, pass);
     const std::size_t words = query.seen.words;
-    const std::vector<std::uint64_t>& followers = cells_.followers();
     scratch.following.assign(query.count() * words, 0);
     for (std::size_t k = 0; k < query.count(); ++k) {
         if (query.pass(k) != pass) continue;
@@ -202,44 +208,71 @@ void CellVisibility::decide(const Query& query, int pass) const
                    above = query.of(scratch.above, k);
         for (const LeafGroup& group : cells_.groups()) {
             // If one of its leaves is wanted, all scouts are.
-            const auto is_wanted = [&](std::size_t leaf) { return (wanted[leaf / 64] >> (leaf % 64) & 1) != 0; };
             bool any = false;
             for (std::size_t leaf = group.first; leaf < group.first + group.leaves && !any; ++leaf)
-                any = is_wanted(leaf);
+                any = has(wanted, leaf);
             if (!any) continue;
             for (const std::uint32_t leaf : group.scouts)
                 wanted[leaf / 64] |= above[leaf / 64] & std::uint64_t{1} << (leaf % 64);
         }
-        for (std::size_t w = 0; w < words; ++w) following[w] = wanted[w] & followers[w], wanted[w] &= ~followers[w];
+        for (std::size_t w = 0; w < words; ++w) {
+            const std::uint64_t later = cells_.followers()[w] | (by_families ? cells_.family_followers()[w] : 0);
+            following[w] = wanted[w] & later, wanted[w] &= ~later;
+        }
     }
     decide_wanted(query, pass);
     for (std::size_t k = 0; k < query.count(); ++k) {
         if (query.pass(k) != pass) continue;
-        const auto wanted = query.of(scratch.wanted, k), following = query.of(scratch.following, k),
-                   above = query.of(scratch.above, k);
-        const auto mask = query.seen.of(k);
-        for (const LeafGroup& group : cells_.groups()) {
-            const auto has = [](std::span<const std::uint64_t> of, std::size_t leaf) {
-                return (of[leaf / 64] >> (leaf % 64) & 1) != 0;
-            };
-            bool some_seen = false, some_hidden = false;
-            for (const std::uint32_t leaf : group.scouts) {
-                if (!has(above, leaf)) continue;
-                (has(mask, leaf) ? some_seen : some_hidden) = true;
-            }
-            for (std::size_t leaf = group.first; leaf < group.first + group.leaves; ++leaf) {
-                if (!has(following, leaf)) continue;
-                const std::uint64_t bit = std::uint64_t{1} << (leaf % 64);
-                if (some_seen == some_hidden)
-                    wanted[leaf / 64] |= bit;
-                else if (some_seen)
-                    mask[leaf / 64] |= bit;
-                else
-                    mask[leaf / 64] &= ~bit;
-            }
-        }
+        follow_groups(query, k);
+        if (by_families) follow_families(query, k);
     }
     decide_wanted(query, pass);
+}
+
+// Takes the followers of a group to be as its scouts if these agree, else wants them.
+void CellVisibility::follow_groups(const Query& query, std::size_t k) const
+{
+    const auto above = query.of(query.scratch.above, k);
+    const auto mask = query.seen.of(k);
+    for (const LeafGroup& group : cells_.groups()) {
+        bool some_seen = false, some_hidden = false;
+        for (const std::uint32_t leaf : group.scouts)
+            if (has(above, leaf)) (has(mask, leaf) ? some_seen : some_hidden) = true;
+        for (std::size_t leaf = group.first; leaf < group.first + group.leaves; ++leaf)
+            follow(query, k, leaf, some_seen, some_hidden);
+    }
+}
+
+// The same for families: the scouts of neighbours count, too.
+void CellVisibility::follow_families(const Query& query, std::size_t k) const
+{
+    const auto above = query.of(query.scratch.above, k);
+    const auto mask = query.seen.of(k);
+    const std::span<const CellFamily> families = cells_.families();
+    for (const CellFamily& family : families) {
+        bool some_seen = false, some_hidden = false;
+        const auto look_at = [&](std::uint32_t scout) {
+            if (has(above, scout)) (has(mask, scout) ? some_seen : some_hidden) = true;
+        };
+        if (has(above, family.scout)) {
+            look_at(family.scout);
+            for (const std::uint32_t n : family.neighbours) look_at(families[n].scout);
+        }
+        for (std::size_t leaf = family.first; leaf < family.first + family.leaves; ++leaf)
+            if (has(cells_.family_followers(), leaf)) follow(query, k, leaf, some_seen, some_hidden);
+    }
+}
+
+// Decides a leaf that follows scouts; where they disagree, or there are none, it is wanted.
+void CellVisibility::follow(const Query& query, std::size_t k, std::size_t leaf, bool some_seen, bool some_hidden) const
+{
+    if (!has(query.of(query.scratch.following, k), leaf)) return;
+    const std::uint64_t bit = std::uint64_t{1} << (leaf % 64);
+    std::uint64_t& seen = query.seen.of(k)[leaf / 64];
+    if (some_seen == some_hidden)
+        query.of(query.scratch.wanted, k)[leaf / 64] |= bit;
+    else
+        seen = some_seen ? seen | bit : seen & ~bit;
 }
 
 // Decides the cells of points with guides. What guides agree on is taken even where it is proven or remembered to be
@@ -272,26 +305,25 @@ void CellVisibility::decide_guided(const Query& query, int pass) const
         }
     }
     decide(query, pass);
-    // Where a probe found otherwise, decide the cell at all points of the block, and all cells of the point.
-    scratch.misled.assign(query.count(), 0);
+    // Where a probe found otherwise, decide the cell at all points of the block, and those around it at the point.
     for (std::size_t k = 0; k < query.count(); ++k) {
         if (query.pass(k) != pass) continue;
         const Guides& guide = query.guides[k];
-        const auto agreed = query.of(scratch.agreed, k);
+        const auto agreed = query.of(scratch.agreed, k), wanted = query.of(scratch.wanted, k);
         const auto mask = query.seen.of(k), corner = query.seen.of(guide.corner[0]);
         std::uint64_t* contested = scratch.contested.data() + guide.block * words;
         for (std::size_t w = 0; w < words; ++w) {
-            const std::uint64_t other = agreed[w] & (mask[w] ^ corner[w]);
+            std::uint64_t other = agreed[w] & (mask[w] ^ corner[w]);
             contested[w] |= other;
-            if (other != 0) scratch.misled[k] = 1;
+            for (; other != 0; other &= other - 1)
+                cells_.add_around(64 * w + static_cast<std::size_t>(std::countr_zero(other)), wanted);
         }
     }
     for (std::size_t k = 0; k < query.count(); ++k) {
         if (query.pass(k) != pass) continue;
         const auto above = query.of(scratch.above, k), wanted = query.of(scratch.wanted, k);
         const std::uint64_t* contested = scratch.contested.data() + query.guides[k].block * words;
-        for (std::size_t w = 0; w < words; ++w)
-            wanted[w] = above[w] & (scratch.misled[k] ? ~std::uint64_t{0} : contested[w]);
+        for (std::size_t w = 0; w < words; ++w) wanted[w] = above[w] & (wanted[w] | contested[w]);
     }
     decide(query, pass);
 }

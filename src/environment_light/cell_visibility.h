@@ -106,7 +106,6 @@ class CellVisibility {
         std::vector<std::uint64_t> wanted;              // to be decided next
         std::vector<std::uint64_t> following;           // wanted followers of scouts
         std::vector<std::uint64_t> agreed, contested;   // by guided point; by block
-        std::vector<char> misled;                       // points whose guides a probe found to be wrong
         std::vector<std::uint64_t> affected;            // cells that a dynamic object may cover
         glm::vec3 above_normal{0};
         std::size_t above_at = 0;   // the last point with that normal
@@ -133,6 +132,9 @@ class CellVisibility {
     void decide_alone(const Query& query) const;
     void decide_guided(const Query& query, int pass) const;
     void decide(const Query& query, int pass) const;
+    void follow_groups(const Query& query, std::size_t k) const;
+    void follow_families(const Query& query, std::size_t k) const;
+    void follow(const Query& query, std::size_t k, std::size_t leaf, bool some_seen, bool some_hidden) const;
     void test_dynamic(const Query& query) const;
     void decide_wanted(const Query& query, int pass) const;
     void push_rays(const Query& query, std::span<const std::uint32_t> block) const;

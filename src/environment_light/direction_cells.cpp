@@ -331,6 +331,7 @@ DirectionCells::DirectionCells(const scene::Environment& environment, const Cell
         const Light& light = builder.lights[n];
         means_.emplace_back(light.luminance > 0 ? light.weighted / light.luminance : Builder::centroid(corners));
         fluxes_.emplace_back(light.flux);
+        angles_.push_back(static_cast<float>(solid_angle(corners)));
         total_ += fluxes_.back();
         // The place depends on the cell alone, so that it is the same for every image.
         const auto index = static_cast<double>(nodes_[n].place % 4093);
@@ -341,13 +342,17 @@ DirectionCells::DirectionCells(const scene::Environment& environment, const Cell
     constexpr std::uint32_t k_least_group = 64;
     followers_.assign(words(), 0);
     std::uint32_t level_begin = 0, level_end = static_cast<std::uint32_t>(roots_);
+    std::uint32_t families_begin = 0;
     for (int level = 0; level < options.least_level; ++level) {
+        families_begin = level_begin;
         const std::uint32_t next = level_end;
         const std::uint32_t last = nodes_[level_end - 1].children + nodes_[level_end - 1].count;
         level_begin = next, level_end = last;
     }
     for (std::uint32_t n = level_begin; n < level_end && options.groups; ++n)
         if (nodes_[n].leaves >= k_least_group) add_group(nodes_[n].first_leaf, nodes_[n].leaves);
+    family_followers_.assign(words(), 0);
+    if (options.groups) add_families(families_begin, level_begin);
 }
 
 DirectionCells::DirectionCells(const glm::vec3& to_light, double diameter, const glm::vec3& irradiance,
@@ -400,14 +405,17 @@ DirectionCells::DirectionCells(const glm::vec3& to_light, double diameter, const
     nodes_of_.resize(count);
     for (std::uint32_t n = 0; n < nodes_.size(); ++n)
         if (nodes_[n].children == 0) nodes_of_[nodes_[n].first_leaf] = n;
+    const auto angle = static_cast<float>(2 * k_pi * (1 - std::cos(diameter / 2)) / count);
     for (std::uint32_t i = 0; i < count; ++i) {
         directions_.emplace_back(direction(place[i]));
         means_.push_back(directions_.back());
         fluxes_.push_back(irradiance / static_cast<float>(count));
+        angles_.push_back(angle);
     }
     total_ = irradiance;
     add_cones();
     if (options.groups) add_group(0, count);
+    family_followers_.assign(words(), 0);
 }
 
 // Makes a group of leaves. Its rim are those bright ones that lie furthest from its middle, one for each of some
@@ -451,6 +459,54 @@ void DirectionCells::add_group(std::uint32_t first, std::uint32_t leaves)
     groups_.push_back(std::move(group));
 }
 
+// Makes a family of each of these nodes.
+void DirectionCells::add_families(std::uint32_t begin, std::uint32_t end)
+{
+    constexpr double k_same = 1e-12;   // squared distance of corners
+    family_of_.resize(leaves());
+    for (std::uint32_t n = begin; n < end; ++n) {
+        const DirectionNode& node = nodes_[n];
+        CellFamily family{node.first_leaf, node.leaves, node.first_leaf, {}};
+        const auto off = [&](std::uint32_t leaf) { return glm::dot(node.axis, directions_[leaf]); };
+        for (std::uint32_t leaf = node.first_leaf; leaf < node.first_leaf + node.leaves; ++leaf) {
+            if (off(leaf) > off(family.scout)) family.scout = leaf;
+            family_of_[leaf] = static_cast<std::uint16_t>(families_.size());
+        }
+        std::size_t found = 0;
+        for (std::uint32_t m = begin; m < end && found < family.neighbours.size(); ++m) {
+            int shared = 0;
+            for (std::size_t a = 0; a < 3; ++a)
+                for (std::size_t b = 0; b < 3; ++b) {
+                    const glm::dvec3 way = node.corner[a] - nodes_[m].corner[b];
+                    shared += glm::dot(way, way) < k_same;
+                }
+            if (shared == 2) family.neighbours[found++] = m - begin;
+        }
+        GNOMON_CHECK(found == family.neighbours.size());
+        // The first leaves of a group may be decided before others are.
+        followers_[family.scout / 64] &= ~(std::uint64_t{1} << (family.scout % 64));
+        const bool divided_once = family.leaves == node.count;
+        for (std::uint32_t leaf = family.first; divided_once && leaf < family.first + family.leaves; ++leaf)
+            if (leaf != family.scout) family_followers_[leaf / 64] |= std::uint64_t{1} << (leaf % 64);
+        families_.push_back(family);
+    }
+}
+
+void DirectionCells::add_around(std::size_t leaf, std::span<std::uint64_t> mask) const
+{
+    if (families_.empty()) {
+        std::ranges::fill(mask, ~std::uint64_t{0});
+        return;
+    }
+    const auto add = [&](const CellFamily& family) {
+        for (std::size_t l = family.first; l < family.first + family.leaves; ++l)
+            mask[l / 64] |= std::uint64_t{1} << (l % 64);
+    };
+    const CellFamily& own = families_[family_of_[leaf]];
+    add(own);
+    for (const std::uint32_t n : own.neighbours) add(families_[n]);
+}
+
 void DirectionCells::number_leaves(std::uint32_t node)
 {
     nodes_[node].first_leaf = static_cast<std::uint32_t>(nodes_of_.size());
@@ -482,7 +538,8 @@ bool DirectionCells::same_directions(const DirectionCells& other) const
 
 std::size_t DirectionCells::bytes() const
 {
-    return nodes_.size() * sizeof(DirectionNode) + leaves() * (3 * sizeof(glm::vec3) + sizeof(std::uint32_t));
+    return nodes_.size() * sizeof(DirectionNode) + families_.size() * sizeof(CellFamily) +
+           leaves() * (3 * sizeof(glm::vec3) + sizeof(float) + sizeof(std::uint32_t) + sizeof(std::uint16_t));
 }
 
 }   // namespace gnomon::environment_light

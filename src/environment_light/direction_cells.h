@@ -33,7 +33,7 @@ struct CellOptions {
     int most_levels = 12;
     std::size_t most_cells = 4096;
     int disc_level = 4;   // a disc has 4^k cells
-    bool groups = true;   // DirectionCells::groups()
+    bool groups = true;   // DirectionCells::groups() and families()
 };
 
 /// Neighbouring leaves that lie so close together that most points see all of them, or none: a sun.
@@ -42,6 +42,15 @@ struct LeafGroup {
     /// Leaves that are looked at first: where all of these that lie above a surface are visible, or none, the others
     /// are taken to be as they. Its rim, and some within.
     std::vector<std::uint32_t> scouts;
+};
+
+/// The cells that one cell of the level above the least was divided into.
+struct CellFamily {
+    std::uint32_t first = 0, leaves = 0;
+    /// The leaf next to the middle. Where those of a family and of all its neighbours are visible from a point, or
+    /// none, the followers of the family are taken to be as they.
+    std::uint32_t scout = 0;
+    std::array<std::uint32_t, 3> neighbours{};   // families across the edges
 };
 
 /// A cell of the tree: the directions between its corners.
@@ -79,12 +88,20 @@ class DirectionCells {
     const glm::vec3& mean(std::size_t leaf) const { return means_[leaf]; }
     /// The integral of radiance.
     const glm::vec3& flux(std::size_t leaf) const { return fluxes_[leaf]; }
+    /// The solid angle.
+    float angle(std::size_t leaf) const { return angles_[leaf]; }
     /// The node of a leaf.
     std::uint32_t node_of(std::size_t leaf) const { return nodes_of_[leaf]; }
     const glm::vec3& total_flux() const { return total_; }
     std::span<const LeafGroup> groups() const { return groups_; }
     /// Leaves of groups that are not scouts, as a mask.
     const std::vector<std::uint64_t>& followers() const { return followers_; }
+    /// Of an image; a disc has none.
+    std::span<const CellFamily> families() const { return families_; }
+    /// Leaves of families that are not scouts, as a mask. Those of families that were divided further are none.
+    const std::vector<std::uint64_t>& family_followers() const { return family_followers_; }
+    /// Adds the leaves in and next to the family of a leaf to a mask; without families, all.
+    void add_around(std::size_t leaf, std::span<std::uint64_t> mask) const;
     /// Another set whose leaves are the same directions, whatever light they bring.
     bool same_directions(const DirectionCells& other) const;
     std::size_t bytes() const;
@@ -94,13 +111,18 @@ class DirectionCells {
     void number_leaves(std::uint32_t node);
     void add_cones();
     void add_group(std::uint32_t first, std::uint32_t leaves);
+    void add_families(std::uint32_t begin, std::uint32_t end);
 
     std::vector<DirectionNode> nodes_;
     std::size_t roots_ = 0;
     std::vector<glm::vec3> directions_, means_, fluxes_;
+    std::vector<float> angles_;
     std::vector<std::uint32_t> nodes_of_;
     std::vector<LeafGroup> groups_;
     std::vector<std::uint64_t> followers_;
+    std::vector<CellFamily> families_;
+    std::vector<std::uint64_t> family_followers_;
+    std::vector<std::uint16_t> family_of_;   // by leaf
     glm::vec3 total_{0};
 };
 

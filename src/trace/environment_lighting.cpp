@@ -155,9 +155,12 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
         }
         const glm::vec3 weight = (1 - highlight) * point.next.unresolved_weight + highlight * s.coverage * albedo;
         if (weight != glm::vec3(0))
-            radiance +=
-                weight * light.light().blurred(point.next.reflected, s.roughness) *
-                light.light().visible_share(point.next.reflected, s.roughness, s.geometric_normal, s.normal, seen);
+            radiance += weight * light.light().seen_by({.to_viewer = s.to_viewer,
+                                                        .mirrored = point.next.reflected,
+                                                        .normal = s.normal,
+                                                        .geometric_normal = s.geometric_normal,
+                                                        .roughness = s.roughness},
+                                                       seen);
         add(point, radiance);
     }
 }
