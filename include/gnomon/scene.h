@@ -74,8 +74,8 @@ class Scene {
     Scene with_light_specs(const std::vector<std::string>& specs) const;
 
     /// Adds light from an environment map: OpenEXR, Radiance HDR, PNG or JPEG in longitude by latitude, with its upper
-    /// edge towards +Y, its centre towards -Z and its right quarter towards +X. It replaces the background and the
-    /// default sky and sun; the file's own lights stay.
+    /// edge towards +Y, its centre towards -Z and its right quarter towards +X; or "builtin:studio". It replaces the
+    /// background and default light with its ground; the file's own lights stay.
     /// @param lights  number of directional lights that approximate it, a power of two from 1 to 1024
     /// @throws InputError  the file is missing or invalid
     /// @throws UsageError  the number of lights is not a power of two from 1 to 1024

@@ -51,7 +51,7 @@ glm::vec3 studio_radiance(const glm::vec3& direction)
         const float x = std::abs(glm::dot(direction, right)) / ahead, y = std::abs(glm::dot(direction, up)) / ahead;
         const float inside =
             (1 - smooth(box.width - k_edge, box.width, x)) * (1 - smooth(box.height - k_edge, box.height, y));
-        // Brighter in the middle, as a lamp behind cloth is.
+        // Brighter in the middle, as a light behind cloth is.
         const float middle =
             1 - 0.35f * std::min(1.0f, (x * x + y * y) / (box.width * box.width + box.height * box.height));
         result = glm::mix(result, box.radiance * middle, inside);
