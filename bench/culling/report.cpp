@@ -68,13 +68,14 @@ class Section {
     {
         page_.section(fmt::format("Shadow culling: {}", name_of(window_)), window_.command);
         page_.text(fmt::format(
-            "{} x {} pixels, {} light{}, {}; {} thread{}{}. Every method computes the whole shadow pass for the same "
+            "{} x {} pixels, {} light{}, {}; {}{}. Every method computes the whole shadow pass for the same "
             "points: 'every ray' traces every shadow ray in packets through one BVH, 'published' is the method of "
             "Nah, Park and Han (2009), and 'certified' is Gnomon's method.{}",
             options_.size.width, options_.size.height, window_.lights, window_.lights == 1 ? "" : "s",
             options_.max_depth == 0 ? "primary hits only"
                                     : fmt::format("hits to reflection depth {}", options_.max_depth),
-            options_.threads, options_.threads == 1 ? "" : "s",
+            options_.threads == 0 ? std::string("all threads")
+                                  : fmt::format("{} thread{}", options_.threads, options_.threads == 1 ? "" : "s"),
             options_.repeat > 1 ? fmt::format("; times are medians of {} runs", options_.repeat) : "",
             window_.moving_lights ? " Every light moves in every frame, so no result can be reused." : ""));
         const bool all = charts != CullingCharts::brief;

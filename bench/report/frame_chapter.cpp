@@ -2,6 +2,7 @@
 // The chapter on the whole frame: measures its time by stage with every shadow ray traced and with certified culling,
 // with and without indirect light; how much work caching saves; and how the images differ.
 #include <fmt/format.h>
+#include <algorithm>
 
 #include <nlohmann/json.hpp>
 
@@ -188,10 +189,12 @@ class FrameChapter : public BenchChapter {
         measured_ = true;
     }
 
-    // Compares the images of the last frame, all with the exposure of the last configuration.
+    // Compares the images of the last frame, all with the darkest of their exposures: without indirect light, scenes
+    // may have ambient light instead.
     void make_figures()
     {
-        const double exposure = last_.back().exposure;
+        double exposure = last_.front().exposure;
+        for (const Frame& image : last_) exposure = std::min(exposure, image.exposure);
         std::vector<Image8> images;
         for (Frame& image : last_) {
             image.exposure = exposure;
@@ -202,8 +205,8 @@ class FrameChapter : public BenchChapter {
         figures_.push_back(compare_images(
             frame + " with every shadow ray traced, and with shadows cached since the first of these frames.",
             ways_[0].name, images[0], ways_[1].name, images[1], tasks));
-        figures_.push_back(compare_images(frame + " without and with one-bounce indirect light.", "direct light",
-                                          images[1], "direct and indirect light", images.back(), tasks));
+        figures_.push_back(compare_images(frame + " without and with indirect light.", "direct light", images[1],
+                                          "direct and indirect light", images.back(), tasks));
         last_.clear();
     }
 

@@ -74,7 +74,7 @@ TEST(BenchShadowTextures, PreviousMethodDrawsMoreAsPrinted)
 TEST(BenchShadowTextures, DoesNotUpdateReceiversFarFromDynamicObjects)
 {
     const Outcome outcome =
-        run({"bench", "shadow-textures", "--objects", "110", "1010", "10010", "--movers", "10", "--vertices", "60",
+        run({"bench", "shadow-textures", "--objects", "110", "1010", "4010", "--movers", "10", "--vertices", "60",
              "--size", "16x16", "--frames", "3", "--method", "coherent", "--json", "--quiet"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const json rows = outcome.json()["rows"];

@@ -7,6 +7,7 @@
 #include "environment_light/cell_light.h"
 #include "environment_light/cell_visibility.h"
 #include "environment_light/environment_light.h"
+#include "scene/builtin/builtin.h"
 #include "soup.h"
 
 namespace gnomon::environment_light {
@@ -210,8 +211,9 @@ struct World {
     ray::RayScene rays;
     Surroundings surroundings;
 
-    explicit World(std::uint64_t seed, int dynamic_objects = 0)
-        : scene(Soup(seed, dynamic_objects).take()), state(scene, 0), rays(state), surroundings(state, rays)
+    explicit World(std::uint64_t seed, int dynamic_objects = 0) : World(Soup(seed, dynamic_objects).take()) {}
+    explicit World(std::shared_ptr<const scene::Scene> of)
+        : scene(std::move(of)), state(scene, 0), rays(state), surroundings(state, rays)
     {
     }
     visibility::TriangleId id_of(const ShadowPoint& p) const
@@ -225,27 +227,48 @@ struct Tally {
     std::uint64_t wrong_free = 0, wrong_blocked = 0;
 };
 
-// Compares what is proven of the parts of random points with rays.
-void compare(std::uint64_t seed, const DirectionCells& cells, const ProofOptions& options, Tally& tally,
-             std::uint32_t level, int points = 24)
+// Compares what is proven of the parts of random points with rays from one or more points of each.
+void compare(const World& world, Random& random, const DirectionCells& cells, const ProofOptions& options, Tally& tally,
+             std::uint32_t level, int parts, int points_of_part = 1)
 {
-    const World world(seed);
     if (world.surroundings.triangles().size() == 0) return;
     const CellProofs proofs(world.surroundings.triangles(), cells, options);
-    Random random(seed * 977 + 5);
-    for (const ShadowPoint& p : random_points(*world.scene, world.rays, random, points)) {
+    for (const ShadowPoint& p : random_points(*world.scene, world.rays, random, parts)) {
+        if (world.surroundings.triangles().first_of(p.object) == visibility::no_triangle) continue;   // it is dynamic
         const MicroTriangle part = micro_at(micro_index_at(p.u, p.v, level), level);
         const PartMasks masks = proofs.judge(world.id_of(p), p.front, part, level);
-        for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
-            const bool free = masks.free[leaf / 64] >> (leaf % 64) & 1, open = masks.open[leaf / 64] >> (leaf % 64) & 1;
-            const glm::vec3& d = cells.direction(leaf);
-            if (glm::dot(cells.mean(leaf), p.normal) <= 0 || glm::dot(d, p.normal) <= 1e-3f) continue;
-            ++(open ? tally.open : free ? tally.free : tally.blocked);
-            if (open) continue;
-            const bool occluded = world.rays.occluded_single(p.origin, 0, d, k_infinity, ray::Against::static_only);
-            tally.wrong_free += free && occluded, tally.wrong_blocked += !free && !occluded;
+        glm::vec3 c[3];
+        world.rays.geometry(p.object).corners(p.triangle, c);
+        const float lift = glm::dot(p.origin - c[0], p.normal);
+        for (int i = 0; i < points_of_part; ++i) {
+            glm::vec3 origin = p.origin;
+            if (i > 0) {
+                // Another point of the part, on the same side.
+                float u = random.uniform(), v = random.uniform();
+                if (u + v > 1) u = 1 - u, v = 1 - v;
+                const float n = static_cast<float>(1u << level), side = part.upper != 0 ? -1.0f : 1.0f;
+                const float at_u = (static_cast<float>(part.i + part.upper) + side * u) / n,
+                            at_v = (static_cast<float>(part.j + part.upper) + side * v) / n;
+                origin = (1 - at_u - at_v) * c[0] + at_u * c[1] + at_v * c[2] + lift * p.normal;
+            }
+            for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
+                const bool free = masks.free[leaf / 64] >> (leaf % 64) & 1,
+                           open = masks.open[leaf / 64] >> (leaf % 64) & 1;
+                const glm::vec3& d = cells.direction(leaf);
+                if (glm::dot(cells.mean(leaf), p.normal) <= 0 || glm::dot(d, p.normal) <= 1e-3f) continue;
+                ++(open ? tally.open : free ? tally.free : tally.blocked);
+                if (open) continue;
+                const bool occluded = world.rays.occluded_single(origin, 0, d, k_infinity, ray::Against::static_only);
+                tally.wrong_free += free && occluded, tally.wrong_blocked += !free && !occluded;
+            }
         }
     }
+}
+void compare(std::uint64_t seed, const DirectionCells& cells, const ProofOptions& options, Tally& tally,
+             std::uint32_t level, int parts = 24)
+{
+    Random random(seed * 977 + 5);
+    compare(World(seed), random, cells, options, tally, level, parts);
 }
 
 TEST(CellProofs, AreNeverWrongAmongRandomTriangles)
@@ -260,6 +283,21 @@ TEST(CellProofs, AreNeverWrongAmongRandomTriangles)
     EXPECT_EQ(tally.wrong_blocked, 0u) << "of " << tally.blocked;
     EXPECT_GT(tally.free, 60'000u) << tally.open << " open";
     EXPECT_GT(tally.blocked, 30'000u);
+}
+
+// All static triangles of a courtyard with foliage, from small parts to whole triangles.
+TEST(CellProofs, AreNeverWrongInACourtyard)
+{
+    const scene::Environment sky = even_sky();
+    const DirectionCells cells(sky);
+    const World world(std::make_shared<const scene::Scene>(scene::make_builtin("kinetic")));
+    Random random(6);
+    Tally tally;
+    for (std::uint32_t level = 0; level < 4; ++level) compare(world, random, cells, {}, tally, level, 300, 8);
+    EXPECT_EQ(tally.wrong_free, 0u) << "of " << tally.free;
+    EXPECT_EQ(tally.wrong_blocked, 0u) << "of " << tally.blocked;
+    EXPECT_GT(tally.free, 40'000u) << tally.open << " open";
+    EXPECT_GT(tally.blocked, 100'000u);
 }
 
 // Without one of the checks, rays contradict some proof.

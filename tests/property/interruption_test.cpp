@@ -32,12 +32,13 @@ std::vector<std::vector<float>> layers_of(const Frame& frame)
 struct Case {
     const char* scene;
     RenderOptions options;
+    int rounds = 70;
 };
 
 std::vector<Case> cases()
 {
     const RenderOptions usual{.size = {64, 48}, .threads = 4, .layers = true};
-    std::vector<Case> all{{"builtin:kinetic", usual}, {"builtin:cornell", usual}, {"builtin:cornell", usual}};
+    std::vector<Case> all{{"builtin:kinetic", usual, 24}, {"builtin:cornell", usual}, {"builtin:cornell", usual}};
     all[1].options.threads = 1;
     all[1].options.samples = 4;
     all[2].options.indirect = Indirect::quadtree;
@@ -68,7 +69,6 @@ bool is_cancelled(Renderer& renderer, const Scene& scene, int frame, Millisecond
 // first frame, which builds everything, is cancelled as well.
 TEST(Interruption, AFrameAfterCancelledOnesIsThatOfANewRenderer)
 {
-    const int rounds = 70;
     int cancelled = 0, asked = 0;
     for (const Case& c : cases()) {
         const Scene scene = load(c.scene);
@@ -82,7 +82,7 @@ TEST(Interruption, AFrameAfterCancelledOnesIsThatOfANewRenderer)
         Random random(7);
         Renderer renderer(c.options);
         double later = whole;   // milliseconds of a frame that is not the first
-        for (int round = 0; round < rounds; ++round) {
+        for (int round = 0; round < c.rounds; ++round) {
             const bool empty = round % 3 == 0;
             if (empty) renderer = Renderer(c.options);
             for (int times = 1 + static_cast<int>(random.below(3)); times > 0; --times, ++asked)
@@ -95,7 +95,7 @@ TEST(Interruption, AFrameAfterCancelledOnesIsThatOfANewRenderer)
             if (!empty) later = Milliseconds(Clock::now() - start).count();
         }
     }
-    EXPECT_GE(cancelled, 200) << "of " << asked;
+    EXPECT_GE(cancelled, 150) << "of " << asked;
 }
 
 TEST(Interruption, WhatProgressThrowsLeavesRender)
