@@ -17,11 +17,11 @@ struct SoftBox {
 };
 
 constexpr SoftBox k_boxes[] = {
-    {-38, 46, 0.55f, 0.42f, {10.6f, 10.3f, 9.8f}},   // key
-    {74, 42, 0.60f, 0.38f, {3.6f, 3.65f, 3.7f}},     // fill
-    {0, 88, 0.75f, 0.75f, {2.4f, 2.4f, 2.4f}},       // ceiling
-    {-128, 40, 0.16f, 0.38f, {5.2f, 5.5f, 5.9f}},    // strips behind
-    {146, 44, 0.16f, 0.36f, {4.4f, 4.6f, 5.0f}},
+    {-38, 46, 0.55f, 0.42f, {5.3f, 5.15f, 4.9f}},   // key
+    {74, 42, 0.60f, 0.38f, {1.75f, 1.8f, 1.85f}},   // fill
+    {0, 88, 0.75f, 0.75f, {1.2f, 1.2f, 1.2f}},      // ceiling
+    {-128, 40, 0.16f, 0.38f, {4.1f, 4.4f, 4.7f}},   // strips behind
+    {146, 44, 0.16f, 0.36f, {3.5f, 3.7f, 4.0f}},
 };
 constexpr float k_edge = 0.06f;   // width of a box's soft edge, as a tangent
 
