@@ -512,6 +512,11 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     traced.backdrop_apart = options_.background != BackgroundKind::environment && plan_.shown == Shown::light;
     traced.layers = options_.layers && plan_.shown == Shown::light;
     if (in_scanline_order) traced.tile = 1;
+    if (plan_.reference) {
+        traced.random_lobes = true;   // a ray for four paths of a point
+        traced.lobe_rays = std::max(1, options_.reference->spp / 4);
+        traced.lobe_seed = options_.reference->seed;
+    }
     FrameCounters counters =
         trace::trace_frame(*state_, *rays_, view, traced, tasks, *buffers_, techniques, request.log);
     if (accelerator_ == Accelerator::kdtree) count_kdtree(counters);

@@ -30,8 +30,8 @@ struct PatchOptions {
     std::size_t patches = 4096;    // aimed at, by one side of all surfaces
     std::size_t most = 16384;      // of both sides, at most, below 2^15; fewer are aimed at until they fit
     float parts = 2;               // parts along a patch, at least
-    std::size_t places = 12;       // of a cell, at most
-    int separated = 4;             // patches of a cell, at most
+    std::size_t places = 32;       // of a cell, at most
+    int separated = 12;            // patches of a cell, at most
     float lift = 0.1f;             // height at which places of a cell see each other, in widths of a cube
     float crossed_lift = 0.001f;   // the same for the places of a part
     float crossed_area = 0.003f;   // parts below this area, in squares of that width, are not tested for crossings

@@ -118,7 +118,7 @@ glm::vec3 reflect_irradiance(const SurfacePoint& s, const Continuation& next, co
     const glm::vec3 reflectance = s.diffuse * (s.coverage * k_inverse_pi);
     if (s.model == scene::ShadingModel::whitted) return reflectance * (indirect + surroundings);
     // Subtract the reflected light. Unresolved reflections bring only the background, so subtract them only from that.
-    const glm::vec3 not_traced = glm::max(glm::vec3(1) - next.reflected_weight, glm::vec3(0));
+    const glm::vec3 not_traced = glm::max(glm::vec3(1) - next.reflected_weight - next.lobe_weight, glm::vec3(0));
     const glm::vec3 not_mirrored = glm::max(not_traced - next.unresolved_weight, glm::vec3(0));
     return reflectance * (not_traced * indirect + not_mirrored * surroundings);
 }

@@ -41,6 +41,7 @@ struct Continuation {
     glm::vec3 refracted_weight{0}, refracted{0};
     glm::vec3 straight_weight{0};     // through the uncovered part of a BLEND surface
     glm::vec3 unresolved_weight{0};   // of the background reflected by rough surfaces, without a ray
+    glm::vec3 lobe_weight{0};         // of what the rays of a rough surface's lobe bring (lobe_rays.h)
 };
 Continuation continue_from(const SurfacePoint& s);
 

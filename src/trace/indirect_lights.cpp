@@ -38,9 +38,10 @@ class CachedIndirect::Work final : public Worker {
             const shadow_culling::ShadowPoint& here = batch.shadow_points[p];
             // Chrome and glass show everything small and from viewpoints of their own, so that its cache points would
             // be many and new in every frame; and a path of low throughput may be coarser.
+            // A path that a lobe divided has the throughput of all of its parts.
+            const float throughput = largest(point.throughput) * std::max(point.lobe.rays, 1.0f);
             const float wider =
-                batch.primary ? 1.0f
-                              : light_.options_.mirrored_spacing / std::sqrt(std::min(largest(point.throughput), 1.0f));
+                batch.primary ? 1.0f : light_.options_.mirrored_spacing / std::sqrt(std::min(throughput, 1.0f));
             const float width = s.cone.width * wider;
             asked_.push_back({s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u, here.v,
                               width, s.to_viewer});

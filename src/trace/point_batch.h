@@ -40,6 +40,13 @@ struct Tile {
     }
 };
 
+/// What a path knows of the lobe (shading/lobe_rays.h) that it left, if any.
+struct LobePath {
+    std::uint32_t batch = 0;    // of the primary hit's rays, from 1 on; 0: it left none there
+    std::uint32_t number = 0;   // of the ray that left the first lobe
+    float rays = 0;             // into how many the path was divided; 0: it was not
+};
+
 /// The path that a ray in a queue continues.
 struct Path {
     std::uint32_t pixel;    // of the tile
@@ -48,7 +55,8 @@ struct Path {
     bool sees_no_light = false;   // emission and background at its end are counted already, by a lobe
     float emission = 1;           // the share of emission at its end that is not counted already, by a highlight
     float background = 1;         // likewise, of the background
-    bool straight = false;        // it came from the camera without being reflected or refracted
+    LobePath lobe = {};
+    bool straight = false;   // it came from the camera without being reflected or refracted
 };
 
 /// A point to shade.
@@ -60,6 +68,7 @@ struct TilePoint {
     bool straight = false;   // see Path
     bool behind = false;     // its light counts as what lies behind the scene: TracedOptions::backdrop_apart
     bool glossy = false;     // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
+    LobePath lobe;           // of the path that it ends
 };
 
 /// The points of one queue. The spans hold until the batch is shaded.

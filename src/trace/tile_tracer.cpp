@@ -5,11 +5,16 @@
 
 #include "base/interruption.h"
 #include "base/morton.h"
+#include "base/random.h"
 #include "shading/glossy.h"
 
 namespace gnomon::trace {
 
 namespace {
+
+constexpr std::size_t k_lobe_rays_at_once = 16384;
+constexpr std::uint32_t k_lobe_batches = 8;   // of random rays: their spread is the error
+constexpr float k_least_cosine = 0.1f;        // of the view, for the pixel's footprint
 
 // The mean radiance of a sky over the directions above a level surface, weighted by their cosines.
 glm::vec3 open_sky_radiance(scene::Background sky)
@@ -30,11 +35,25 @@ float largest(const glm::vec3& v)
     return std::max({v.x, v.y, v.z});
 }
 
+int power_of_two_from(int x)
+{
+    int power = 1;
+    while (power < x) power *= 2;
+    return power;
+}
+
+glm::uvec2 random_flip(std::uint64_t seed, std::uint64_t stream)
+{
+    Random random(seed, stream);
+    const std::uint32_t x = random.next();
+    return {x, random.next()};
+}
+
 }   // namespace
 
 TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, ShadowTester& shadows,
                        const SizedTechnique& sized, EnvironmentTechnique* environment, IndirectLight* indirect,
-                       TraceLog* log)
+                       LobeImage* lobes, TraceLog* log)
     : state_(frame.state),
       scene_(frame.state.scene()),
       rays_(frame.rays),
@@ -44,8 +63,12 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
       shadows_(shadows.make_worker()),
       indirect_(indirect ? indirect->make_worker() : nullptr),
       is_estimate_(indirect && indirect->is_estimate()),
-      log_(log)
+      log_(log),
+      lobes_(lobes)
 {
+    if (options.max_depth > 0 && options.lobe_rays > 0)
+        rays_of_lobe_ = power_of_two_from((options.lobe_rays + options.samples - 1) / options.samples);
+    if (options.random_lobes) rays_of_lobe_ = std::max(rays_of_lobe_, static_cast<int>(k_lobe_batches));
     if (sized.lights) sized_.emplace(*sized.lights, *sized.visibility);
     if (environment) environment_.emplace(*environment);
     sees_image_ = environment_ && environment_->has_image();
@@ -81,34 +104,45 @@ void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out)
         add_indirect(batch(true, sample));
         watch.end(FrameTimes::indirect);
 
-        // Do the same for mirrored and refracted rays, one depth after the other.
-        for (int depth = 0; depth < options_.max_depth; ++depth) {
-            interruption_point();
-            queue_continuations();
-            if (reflected_.rays.empty() && refracted_.rays.empty()) break;
-            counters_.reflection_rays += reflected_.rays.size();
-            counters_.refraction_rays += refracted_.rays.size();
-            clear_points();
-            for (const PathQueue* queue : {&reflected_, &refracted_}) {
-                trace_queue(*queue);
-                watch.end(FrameTimes::rays);
-                shade_hits(*queue, false, sample);
-                watch.end(FrameTimes::surfaces);
-            }
-            add_lights(batch(false, sample), watch);
-            add_sized_lights(batch(false, sample), watch);
-            add_environment(batch(false, sample), watch);
-            add_indirect(batch(false, sample));
-            watch.end(FrameTimes::indirect_mirrored);
-        }
+        // Do the same for mirrored and refracted rays, one depth after the other, and for the rays of lobes.
+        keep_lobes(sample);
+        queue_continuations(true);
+        follow_paths(sample, watch);
+        trace_lobes(sample, watch);
     }
+    store_lobes();
     store(out);
+}
+
+// Follows the queued rays to the last depth.
+void TileTracer::follow_paths(int sample, Stopwatch& watch)
+{
+    for (int depth = 0; depth < options_.max_depth; ++depth) {
+        interruption_point();
+        if (depth > 0) queue_continuations(false);
+        if (reflected_.rays.empty() && refracted_.rays.empty()) break;
+        counters_.reflection_rays += reflected_.rays.size();
+        counters_.refraction_rays += refracted_.rays.size();
+        clear_points();
+        for (const PathQueue* queue : {&reflected_, &refracted_}) {
+            trace_queue(*queue);
+            watch.end(FrameTimes::rays);
+            shade_hits(*queue, false, sample);
+            watch.end(FrameTimes::surfaces);
+        }
+        add_lights(batch(false, sample), watch);
+        add_sized_lights(batch(false, sample), watch);
+        add_environment(batch(false, sample), watch);
+        add_indirect(batch(false, sample));
+        watch.end(FrameTimes::indirect_mirrored);
+    }
 }
 
 void TileTracer::begin_tile(const Tile& tile)
 {
     tile_ = tile;
     if (indirect_) indirect_->begin_tile(tile);
+    lobe_light_.clear();
     const auto pixels = static_cast<std::size_t>(tile.side) * static_cast<std::size_t>(tile.side);
     color_.assign(pixels, glm::vec3(0));
     if (options_.backdrop_apart) backdrop_.assign(pixels, glm::vec3(0));
@@ -146,13 +180,9 @@ void TileTracer::queue_primary(int sample)
         float tnear, tfar;
         view_.ray(static_cast<float>(tile_.x + x) + offset.x, static_cast<float>(tile_.y + y) + offset.y, origin,
                   direction, tnear, tfar);
-        const Path path{static_cast<std::uint32_t>(y * tile_.side + x),
-                        glm::vec3(1),
-                        {view_.pixel_width, view_.pixel_spread},
-                        false,
-                        1,
-                        1,
-                        true};
+        Path path{
+            static_cast<std::uint32_t>(y * tile_.side + x), glm::vec3(1), {view_.pixel_width, view_.pixel_spread}};
+        path.straight = true;
         primary_.push(path, origin, tnear, direction, tfar);
     }
     counters_.primary_rays += primary_.rays.size();
@@ -193,7 +223,8 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
             if (path.straight && options_.backdrop_apart)
                 backdrop_[path.pixel] += path.throughput;
             else if (!path.sees_no_light && path.background > 0)
-                color_[path.pixel] += path.throughput * (path.background * scene_.background.radiance(direction));
+                add_color(path.pixel, path.lobe,
+                          path.throughput * (path.background * scene_.background.radiance(direction)));
             continue;
         }
         TilePoint& point = points_.emplace_back();
@@ -203,9 +234,12 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         point.throughput = path.throughput;
         point.straight = path.straight;
         const glm::vec3 unlit_behind = point.surface.catches_shadows ? show_behind(point, direction) : glm::vec3(0);
+        point.lobe = path.lobe;
+        if (path.lobe.rays > 0) shading::widen_lobe(rays_.geometry(hits_.object[i]), hits_.triangle[i], point.surface);
         const shading::SurfacePoint& s = point.surface;
 
         point.next = shading::continue_from(s);
+        if (rays_of_lobe_ > 0) shading::reflect_by_lobe(s, point.next);
         if (indirect_light_ && indirect_light_->reflects_lobes() && shading::has_glossy_lobe(s)) {
             point.glossy = true;
             point.next.unresolved_weight = glm::vec3(0);
@@ -219,7 +253,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
                                       !(indirect_light_ && indirect_light_->has_further_bounces()));
         if (!sees_image_ && point.next.unresolved_weight != glm::vec3(0))
             own += point.next.unresolved_weight * scene_.background.ambient(point.next.reflected);
-        sum_of(point) += path.throughput * own;
+        add_light(point, path.throughput * own);
         if (primary && options_.layers) {
             albedo_[path.pixel] += s.diffuse + s.specular;
             if (sample == 0) {
@@ -288,7 +322,7 @@ void TileTracer::add_lights(const PointBatch& batch, Stopwatch& watch)
             const scene::LightSample sample = scene::illuminate(light, at, point.surface.position);
             const auto reflect = light.of_environment ? shading::reflect_surroundings : shading::reflect_light;
             const glm::vec3 radiance = point.throughput * reflect(point.surface, sample.to_light, sample.irradiance);
-            sum_of(point) += radiance;
+            add_light(point, radiance);
             if (batch.primary && options_.layers) {
                 direct_[point.pixel] += radiance;
                 shadow_[point.pixel * lights + l] += 1;
@@ -304,7 +338,7 @@ void TileTracer::add_sized_lights(const PointBatch& batch, Stopwatch& watch)
     if (!sized_) return;
     sized_->light(batch, [&](const TilePoint& point, const glm::vec3& reflected) {
         const glm::vec3 radiance = point.throughput * reflected;
-        sum_of(point) += radiance;
+        add_light(point, radiance);
         if (batch.primary && options_.layers) direct_[point.pixel] += radiance;
     });
     watch.end(FrameTimes::shadows);
@@ -320,7 +354,7 @@ void TileTracer::add_environment(const PointBatch& batch, Stopwatch& watch)
     environment_->light_by_suns(batch, tile, state_,
                                 [&](const TilePoint& point, const glm::vec3& reflected, scene::LightId l, float share) {
                                     const glm::vec3 radiance = point.throughput * reflected;
-                                    sum_of(point) += radiance;
+                                    add_light(point, radiance);
                                     if (!batch.primary || !options_.layers) return;
                                     direct_[point.pixel] += radiance;
                                     shadow_[point.pixel * lights + l] += share;
@@ -328,7 +362,7 @@ void TileTracer::add_environment(const PointBatch& batch, Stopwatch& watch)
     if (sees_image_)
         environment_->light(batch, tile, [&](const TilePoint& point, const glm::vec3& reflected) {
             const glm::vec3 radiance = point.throughput * reflected;
-            sum_of(point) += radiance;
+            add_light(point, radiance);
             if (batch.primary && options_.layers) direct_[point.pixel] += radiance;
         });
     watch.end(FrameTimes::shadows);
@@ -352,14 +386,15 @@ void TileTracer::add_indirect(const PointBatch& batch)
                                        below * reflect_irradiance(point.surface, none, glm::vec3(0), surroundings));
         };
         const glm::vec3 surroundings = is_estimate_ ? arrives_.surroundings[k] : glm::vec3(0);
-        sum_of(point) += reflected(arrives_.irradiance[k], surroundings);
+        add_light(point, reflected(arrives_.irradiance[k], surroundings));
         // An environment image counts as direct light, as do the lights that approximate it; the sky does not.
         const bool sky = scene_.background.kind == scene::Background::Kind::sky;
         if (batch.primary && options_.layers) {
             indirect_color_[point.pixel] += reflected(arrives_.irradiance[k], sky ? surroundings : glm::vec3(0));
             if (is_estimate_) direct_[point.pixel] += reflected(glm::vec3(0), sky ? glm::vec3(0) : surroundings);
         }
-        if (!is_estimate_) continue;
+        // The spread of a lobe's rays has the errors of what they meet.
+        if (!is_estimate_ || point.lobe.batch != 0) continue;
         const glm::vec3 error = reflected(arrives_.error[k], glm::vec3(0));
         variance_[point.pixel] += error * error;
         if (!batch.primary) continue;
@@ -369,14 +404,25 @@ void TileTracer::add_indirect(const PointBatch& batch)
     if (!indirect_light_->reflects_lobes()) return;
     for (std::size_t k = 0; k < arrives_.lobe_point.size(); ++k) {
         const TilePoint& point = points_[arrives_.lobe_point[k]];
-        color_[point.pixel] += point.throughput * arrives_.lobe_radiance[k];
+        add_color(point.pixel, point.lobe, point.throughput * arrives_.lobe_radiance[k]);
+        if (point.lobe.batch != 0) continue;
         const glm::vec3 error = point.throughput * arrives_.lobe_error[k];
         variance_[point.pixel] += error * error;
     }
 }
 
+// Light of a lobe's rays is kept apart from that of others.
+void TileTracer::add_color(std::uint32_t pixel, const LobePath& lobe, const glm::vec3& radiance)
+{
+    if (lobe.batch == 0)
+        color_[pixel] += radiance;
+    else
+        lobe_light_[(lobe.batch - 1) * color_.size() + pixel] += radiance;
+}
+
 // Queues the mirrored and refracted rays from the points just shaded, each kind by itself.
-void TileTracer::queue_continuations()
+// @param primary  they are primary hits, the lobes of which are traced later
+void TileTracer::queue_continuations(bool primary)
 {
     next_reflected_.clear();
     next_refracted_.clear();
@@ -388,17 +434,141 @@ void TileTracer::queue_continuations()
                                const glm::vec3& direction, bool sees_no_light = false, float emission = 1,
                                float background = 1, bool straight = false) {
             const glm::vec3 throughput = point.throughput * weight;
-            if (largest(throughput) < options_.min_throughput) return;
-            to.push({point.pixel, throughput, s.cone, sees_no_light, emission, background, straight}, origin, 0,
-                    direction, k_infinity);
+            if (largest(throughput) * std::max(point.lobe.rays, 1.0f) < options_.min_throughput) return;
+            to.push({point.pixel, throughput, s.cone, sees_no_light, emission, background, point.lobe, straight},
+                    origin, 0, direction, k_infinity);
         };
         queue(next_reflected_, c.reflected_weight, s.position + lift, c.reflected, point.glossy,
               sized_ ? 1 - highlight_share(s) : 1, sees_image_ ? 1 - highlight_share(s) : 1);
         queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted);
         queue(next_refracted_, c.straight_weight, s.position - lift, -s.to_viewer, false, 1, 1, point.straight);
+        if (!primary && c.lobe_weight != glm::vec3(0)) queue_nested_lobe(point);
     }
     std::swap(reflected_, next_reflected_);
     std::swap(refracted_, next_refracted_);
+}
+
+// Queues rays of a point's lobe.
+// @param first  of the pattern
+// @param share  of the lobe's light that these rays bring
+void TileTracer::queue_lobe(const TilePoint& point, std::uint32_t first, const glm::uvec2& flip, std::size_t rays,
+                            const LobePath& path, float share)
+{
+    const shading::SurfacePoint& s = point.surface;
+    lobe_rays_.resize(rays);
+    std::size_t count = shading::lobe_rays(s, first, flip, options_.random_lobes, lobe_rays_);
+    if (count == 0 && !options_.random_lobes) lobe_rays_[count++] = {point.next.reflected, glm::vec3(1)};
+    // Each ray shows what lies in its part of the lobe.
+    shading::RayCone cone = s.cone;
+    const float divided = std::max(path.rays, 1.0f);
+    cone.spread += 4 * shading::lobe_width(s.roughness) / std::sqrt(divided);
+    for (std::size_t k = 0; k < count; ++k) {
+        const glm::vec3 throughput = point.throughput * point.next.lobe_weight * lobe_rays_[k].weight * share;
+        if (largest(throughput) * divided < options_.min_throughput) continue;
+        LobePath lobe = path;
+        if (rays > 1) lobe.number = first + static_cast<std::uint32_t>(k);
+        next_reflected_.push({point.pixel, throughput, cone, point.glossy, sized_ ? 1 - highlight_share(s) : 1,
+                              sees_image_ ? 1 - highlight_share(s) : 1, lobe},
+                             s.position + s.offset * s.geometric_normal, 0, lobe_rays_[k].direction, k_infinity);
+    }
+}
+
+// Queues the lobe of a point seen in a mirror, through glass, or by a ray of another lobe. A path is divided once.
+void TileTracer::queue_nested_lobe(const TilePoint& point)
+{
+    const glm::ivec2 at = tile_.pixel_of_image(point.pixel);
+    const bool divided = point.lobe.rays > 0;
+    const auto rays = static_cast<std::size_t>(divided ? 1 : rays_of_lobe_);
+    LobePath path = point.lobe;
+    if (!divided) path.rays = static_cast<float>(rays);
+    std::uint32_t first = point.lobe.number;
+    glm::uvec2 flip(0);
+    if (options_.random_lobes) {
+        const auto pixel = static_cast<std::uint64_t>(at.y) << 32 | static_cast<std::uint64_t>(at.x);
+        flip = random_flip(options_.lobe_seed + pixel, first + (static_cast<std::uint64_t>(points_.size()) << 32));
+    } else if (divided) {
+        // Another order of the numbers of the first lobe.
+        first = (first * 5 + 3) % 1024;
+    }
+    queue_lobe(point, first, flip, rays, path, 1);
+}
+
+// Keeps the primary hits that have a lobe.
+void TileTracer::keep_lobes(int sample)
+{
+    lobe_points_.clear();
+    for (const TilePoint& point : points_) {
+        if (point.next.lobe_weight == glm::vec3(0)) continue;
+        lobe_points_.push_back(point);
+        if (!lobes_) continue;
+        const glm::ivec2 at = tile_.pixel_of_image(point.pixel);
+        LobePixel& pixel = lobes_->at(at.x, at.y);
+        pixel.weight += point.throughput * point.next.lobe_weight;
+        if (sample != 0) continue;
+        const shading::SurfacePoint& s = point.surface;
+        pixel.position = s.position, pixel.axis = point.next.reflected;
+        pixel.width = shading::lobe_width(s.roughness);
+        pixel.footprint = s.cone.width / std::max(glm::dot(s.geometric_normal, s.to_viewer), k_least_cosine);
+    }
+    if (!lobe_points_.empty() && lobe_light_.empty())
+        lobe_light_.assign(color_.size() * (options_.random_lobes ? k_lobe_batches : 1), glm::vec3(0));
+}
+
+// Traces the rays of the kept points, and what follows from them, some points at a time.
+void TileTracer::trace_lobes(int sample, Stopwatch& watch)
+{
+    const auto rays = static_cast<std::uint32_t>(rays_of_lobe_);
+    const std::size_t at_once = std::max<std::size_t>(k_lobe_rays_at_once / std::max(rays, 1u), 1);
+    const auto samples = static_cast<std::uint32_t>(power_of_two_from(options_.samples));
+    for (std::size_t begin = 0; begin < lobe_points_.size(); begin += at_once) {
+        next_reflected_.clear(), next_refracted_.clear();
+        const std::size_t end = std::min(begin + at_once, lobe_points_.size());
+        for (std::size_t p = begin; p < end; ++p) {
+            const TilePoint& point = lobe_points_[p];
+            const glm::ivec2 at = tile_.pixel_of_image(point.pixel);
+            LobePath path{1, 0, static_cast<float>(rays)};
+            if (!options_.random_lobes) {
+                const std::uint32_t block =
+                    shading::lobe_block(at.x, at.y) * samples + static_cast<std::uint32_t>(sample);
+                queue_lobe(point, block * rays, glm::uvec2(0), rays, path, 1);
+                continue;
+            }
+            const auto pixel = static_cast<std::uint64_t>(at.y) << 32 | static_cast<std::uint64_t>(at.x);
+            for (; path.batch <= k_lobe_batches; ++path.batch)
+                queue_lobe(point, 0,
+                           random_flip(options_.lobe_seed + pixel,
+                                       static_cast<std::uint64_t>(sample) * k_lobe_batches + path.batch),
+                           rays / k_lobe_batches, path, 1.0f / k_lobe_batches);
+        }
+        std::swap(reflected_, next_reflected_);
+        std::swap(refracted_, next_refracted_);
+        follow_paths(sample, watch);
+    }
+}
+
+// Hands the light of lobes over: to be filtered, or with its error.
+void TileTracer::store_lobes()
+{
+    if (lobe_light_.empty()) return;
+    for (int y = 0; y < tile_.height; ++y)
+        for (int x = 0; x < tile_.width; ++x) {
+            const auto from =
+                static_cast<std::size_t>(y) * static_cast<std::size_t>(tile_.side) + static_cast<std::size_t>(x);
+            if (lobes_) {
+                lobes_->at(tile_.x + x, tile_.y + y).light = lobe_light_[from];
+                continue;
+            }
+            glm::vec3 sum(0), square(0);
+            const std::size_t batches = lobe_light_.size() / color_.size();
+            for (std::size_t b = 0; b < batches; ++b) {
+                const glm::vec3& light = lobe_light_[b * color_.size() + from];
+                sum += light, square += light * light;
+            }
+            color_[from] += sum;
+            if (!is_estimate_ || batches < 2) continue;
+            const auto n = static_cast<float>(batches);
+            variance_[from] += glm::max(square - sum * sum / n, glm::vec3(0)) * (n / (n - 1));
+        }
 }
 
 void TileTracer::store(shading::FrameBuffers& out) const

@@ -5,8 +5,10 @@
 #include <optional>
 
 #include "base/stopwatch.h"
+#include "shading/lobe_rays.h"
 #include "trace/environment_lighting.h"
 #include "trace/indirect_light.h"
+#include "trace/lobe_filter.h"
 #include "trace/shadow_tester.h"
 #include "trace/sized_lighting.h"
 #include "trace/traced_frame.h"
@@ -23,9 +25,13 @@ class TileTracer {
  public:
     /// @param environment  optional; with an image or suns
     /// @param indirect     optional
+    /// @param lobes        optional: takes what lobe rays of primary hits bring, so that it can be filtered. Without,
+    /// it
+    ///                     is part of the colour
     /// @param log          optional: takes all rays but shadow rays
     TileTracer(const FrameContext& frame, const TracedOptions& options, ShadowTester& shadows,
-               const SizedTechnique& sized, EnvironmentTechnique* environment, IndirectLight* indirect, TraceLog* log);
+               const SizedTechnique& sized, EnvironmentTechnique* environment, IndirectLight* indirect,
+               LobeImage* lobes, TraceLog* log);
 
     void trace(const Tile& tile, shading::FrameBuffers& out);
     /// Rays other than those of the techniques.
@@ -64,12 +70,27 @@ class TileTracer {
     void sort_hits(std::size_t count);
     glm::vec3 open_irradiance(const shading::SurfacePoint& s) const;
     glm::vec3 show_behind(TilePoint& point, const glm::vec3& direction) const;
-    glm::vec3& sum_of(const TilePoint& point) { return point.behind ? backdrop_[point.pixel] : color_[point.pixel]; }
+    // Adds what a point sends to the viewer, to the colour or to what lies behind.
+    void add_light(const TilePoint& point, const glm::vec3& radiance)
+    {
+        if (point.behind)
+            backdrop_[point.pixel] += radiance;
+        else
+            add_color(point.pixel, point.lobe, radiance);
+    }
     void add_lights(const PointBatch& batch, Stopwatch& watch);
     void add_sized_lights(const PointBatch& batch, Stopwatch& watch);
     void add_environment(const PointBatch& batch, Stopwatch& watch);
     void add_indirect(const PointBatch& batch);
-    void queue_continuations();
+    void queue_continuations(bool primary);
+    void queue_lobe(const TilePoint& point, std::uint32_t first, const glm::uvec2& flip, std::size_t rays,
+                    const LobePath& path, float share);
+    void queue_nested_lobe(const TilePoint& point);
+    void follow_paths(int sample, Stopwatch& watch);
+    void keep_lobes(int sample);
+    void trace_lobes(int sample, Stopwatch& watch);
+    void add_color(std::uint32_t pixel, const LobePath& lobe, const glm::vec3& radiance);
+    void store_lobes();
     void store(shading::FrameBuffers& out) const;
 
     const scene::SceneState& state_;
@@ -104,6 +125,13 @@ class TileTracer {
     std::vector<glm::vec3> color_, direct_, indirect_color_, albedo_, normal_;   // by pixel of the tile
     std::vector<glm::vec3> variance_, first_irradiance_, first_variance_;        // of an estimate
     std::vector<float> depth_, shadow_;
+
+    // Lobes of primary hits.
+    int rays_of_lobe_ = 0;   // for each sample; 0: rough surfaces reflect by mirror rays
+    LobeImage* const lobes_;
+    std::vector<TilePoint> lobe_points_;   // of the sample
+    std::vector<shading::LobeRay> lobe_rays_;
+    std::vector<glm::vec3> lobe_light_;   // by batch of rays and pixel of the tile; empty: no point had a lobe
 };
 
 }   // namespace gnomon::trace

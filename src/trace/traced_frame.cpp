@@ -9,8 +9,10 @@
 #include "base/check.h"
 #include "base/interruption.h"
 #include "base/stopwatch.h"
+#include "shading/lobe_rays.h"
 #include "trace/environment_lighting.h"
 #include "trace/indirect_light.h"
+#include "trace/lobe_filter.h"
 #include "trace/shadow_testers.h"
 #include "trace/sized_visibility.h"
 #include "trace/tile_tracer.h"
@@ -46,6 +48,16 @@ Tile tile_at(std::size_t index, int columns, int side, Size size)
     tile.width = std::min(side, size.width - tile.x);
     tile.height = std::min(side, size.height - tile.y);
     return tile;
+}
+
+// Whether some surface may have a lobe that is reflected by rays (shading/lobe_rays.h).
+bool has_lobes(const scene::Scene& scene)
+{
+    return std::ranges::any_of(scene.materials, [](const scene::Material& m) {
+        const float f0 = (m.ior - 1) / (m.ior + 1);
+        return m.model == scene::ShadingModel::metallic_roughness &&
+               (m.metallic > 0 || f0 * f0 > shading::k_lobe_reflectance_from);
+    });
 }
 
 }   // namespace
@@ -86,16 +98,24 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     fit(out, size, options.layers, indirect && indirect->is_estimate(), options.backdrop_apart,
         state.scene().lights.size());
 
+    std::optional<LobeImage> lobes;
+    if (!options.random_lobes && has_lobes(state.scene())) lobes.emplace(size);
+    LobeImage* const lobe_image = lobes ? &*lobes : nullptr;
+
     // Trace the tiles.
     std::vector<std::unique_ptr<TileTracer>> tracers(static_cast<std::size_t>(tasks.threads()));
     std::atomic<std::size_t> done = 0;
     report_progress("tracing", 0);
     tasks.for_each(tiles, [&](std::size_t index, int worker) {
         auto& tracer = tracers[static_cast<std::size_t>(worker)];
-        if (!tracer) tracer = std::make_unique<TileTracer>(frame, options, shadows, sized, environment, indirect, log);
+        if (!tracer)
+            tracer =
+                std::make_unique<TileTracer>(frame, options, shadows, sized, environment, indirect, lobe_image, log);
         tracer->trace(tile_at(index, columns, options.tile, size), out);
         report_progress("tracing", static_cast<double>(++done) / static_cast<double>(tiles));
     });
+
+    if (lobes) lobes->add_to(out.color, 1.0f / static_cast<float>(options.samples), tasks);
 
     // Sum what the threads counted, and let the techniques learn from what their workers found.
     FrameCounters counters;

@@ -9,6 +9,9 @@
 //                                                             -> indirect light: one batch
 //                                                             -> reflection queue, refraction queue -> next depth
 //
+// Rough metals reflect by the rays of their lobes (shading/lobe_rays.h). Those of a tile's primary hits are traced
+// after its other rays; what they bring is filtered between pixels once all tiles are traced (lobe_filter.h).
+//
 // Which lights reach a batch of points, and which light arrives there by bounces, is decided by two interfaces
 // (shadow_tester.h, indirect_light.h); the tiles contain no branch on a technique.
 //
@@ -38,6 +41,10 @@ struct TracedOptions {
     bool backdrop_apart = false;
     float min_throughput = 1 / 300.f;   // a ray whose path has a lower throughput is not traced
     int tile = 32;                      // pixels a side; a power of two
+    // Reflection by rough metals (shading/lobe_rays.h), unless max_depth is 0.
+    int lobe_rays = 16;            // of a pixel, all samples together; of each, a power of two
+    bool random_lobes = false;     // for a reference: random directions, not filtered, and their error
+    std::uint64_t lobe_seed = 0;   // of these
 };
 
 /// The techniques of a frame.

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "shading/lobe_rays.h"
+
+#include <algorithm>
+
+#include "base/sobol.h"
+#include "shading/glossy.h"
+
+namespace gnomon::shading {
+
+namespace {
+
+float fraction(std::uint32_t bits)
+{
+    return static_cast<float>(bits >> 8) * 0x1p-24f;
+}
+
+// How much the shading normal turns per unit of distance, along the edge of a triangle where it turns most.
+float curvature(const ray::ObjectGeometry& geometry, std::uint32_t triangle)
+{
+    if (!geometry.normals) return 0;
+    glm::vec3 p[3], n[3];
+    geometry.corners(triangle, p);
+    const glm::uvec3 index = geometry.mesh->triangles[triangle];
+    for (int i = 0; i < 3; ++i) {
+        n[i] = geometry.normals[index[i]];
+        if (geometry.normal_to_world) n[i] = *geometry.normal_to_world * n[i];
+        const float length = glm::length(n[i]);
+        if (!(length > 0)) return 0;
+        n[i] /= length;
+    }
+    float most = 0;
+    for (int i = 0; i < 3; ++i) {
+        const glm::vec3 edge = p[(i + 1) % 3] - p[i], turn = n[(i + 1) % 3] - n[i];
+        const float square = glm::dot(edge, edge);
+        if (square > 0) most = std::max(most, glm::dot(turn, turn) / square);
+    }
+    return std::sqrt(most);
+}
+
+}   // namespace
+
+float lobe_share(const SurfacePoint& s)
+{
+    const float most = std::max({s.specular.x, s.specular.y, s.specular.z});
+    if (!(most > k_lobe_reflectance_from) || !has_glossy_lobe(s)) return 0;
+    const float t =
+        std::min((most - k_lobe_reflectance_from) / (k_lobe_reflectance_to - k_lobe_reflectance_from), 1.0f);
+    return t * t * (3 - 2 * t);
+}
+
+void reflect_by_lobe(const SurfacePoint& s, Continuation& next)
+{
+    const float share = lobe_share(s);
+    if (share == 0) return;
+    next.lobe_weight = share * s.coverage * glossy_albedo(s);
+    next.reflected_weight *= 1 - share;
+    next.unresolved_weight *= 1 - share;
+}
+
+std::size_t lobe_rays(const SurfacePoint& s, std::uint32_t first, const glm::uvec2& flip, bool random,
+                      std::span<LobeRay> rays)
+{
+    std::size_t count = 0;
+    glm::vec3 sum(0);
+    for (std::uint32_t k = 0; k < rays.size(); ++k) {
+        const std::uint32_t i = first + k;
+        const float u = fraction(reversed_bits(i) ^ flip.x), v = fraction(second_dimension(i) ^ flip.y);
+        const glm::vec3 direction = sample_glossy(s, u, v);
+        const float density = glossy_density(s, direction);
+        if (!(density > 0)) continue;
+        const glm::vec3 weight = reflect_glossy(s, direction) / density;   // 0 below the surface
+        if (weight == glm::vec3(0)) continue;
+        sum += weight;
+        rays[count++] = {direction, weight};
+    }
+    // What the lobe reflects of light from everywhere is its albedo.
+    if (random) sum = static_cast<float>(rays.size()) * s.coverage * glossy_albedo(s);
+    for (std::size_t k = 0; k < count; ++k)
+        for (int c = 0; c < 3; ++c) rays[k].weight[c] = sum[c] > 0 ? rays[k].weight[c] / sum[c] : 0;
+    return count;
+}
+
+void widen_lobe(const ray::ObjectGeometry& geometry, std::uint32_t triangle, SurfacePoint& s)
+{
+    if (s.model != scene::ShadingModel::metallic_roughness || s.specular == glm::vec3(0)) return;
+    const float alpha = s.roughness * s.roughness, angle = 0.5f * s.cone.spread;
+    const float turn = 0.5f * s.cone.width * curvature(geometry, triangle);
+    s.roughness = std::min(std::sqrt(std::sqrt(alpha * alpha + angle * angle + turn * turn)), 1.0f);
+}
+
+std::uint32_t lobe_block(int x, int y)
+{
+    static_assert(k_lobe_interleave == 8);
+    // Neighbours get blocks that are far apart, and so do blocks of 2 x 2 and of 4 x 4 pixels.
+    const auto a = static_cast<std::uint32_t>(x), b = static_cast<std::uint32_t>(y);
+    const auto digit = [&](int bit) { return ((a ^ b) >> bit & 1) << 1 | (b >> bit & 1); };
+    return digit(0) | digit(1) << 2 | digit(2) << 4;
+}
+
+float lobe_width(float roughness)
+{
+    return roughness * roughness;
+}
+
+}   // namespace gnomon::shading

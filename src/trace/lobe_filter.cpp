@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "trace/lobe_filter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/check.h"
+#include "base/interruption.h"
+#include "shading/lobe_rays.h"
+
+namespace gnomon::trace {
+
+namespace {
+
+constexpr int k_half = shading::k_lobe_interleave / 2;
+
+// How far a neighbour's rays could be the pixel's own, 0 to 1.
+float likeness(const LobePixel& a, const LobePixel& b, const LobeFilterOptions& options)
+{
+    const glm::vec3 apart = b.position - a.position, turn = b.axis - a.axis;
+    const float square = glm::dot(apart, apart), reach = options.near * std::max(a.footprint, b.footprint);
+    if (!(square < reach * reach)) return 0;
+    const float width = std::min(a.width, b.width), wider = std::max(a.width, b.width);
+    const float angle = std::sqrt(glm::dot(turn, turn)) + std::sqrt(square) * std::max(a.nearness, b.nearness);
+    const float difference = (angle + (wider - width)) / width;
+    const float t = std::clamp((options.unlike - difference) / (options.unlike - options.alike), 0.0f, 1.0f);
+    return t * t * (3 - 2 * t);
+}
+
+}   // namespace
+
+glm::vec3 LobeImage::filtered(int x, int y, const LobeFilterOptions& options) const
+{
+    const LobePixel& own = at(x, y);
+    if (own.weight == glm::vec3(0)) return glm::vec3(0);
+    if (!(own.width > 0)) return own.light;
+    glm::vec3 light(0), weight(0);
+    for (int dy = -k_half; dy <= k_half; ++dy)
+        for (int dx = -k_half; dx <= k_half; ++dx) {
+            const int nx = x + dx, ny = y + dy;
+            if (nx < 0 || ny < 0 || nx >= size_.width || ny >= size_.height) continue;
+            const LobePixel& other = at(nx, ny);
+            if (!(other.width > 0)) continue;
+            // The first and the last column, and row, of the window have the same patterns: each counts half.
+            float share = likeness(own, other, options);
+            if (dx == -k_half || dx == k_half) share *= 0.5f;
+            if (dy == -k_half || dy == k_half) share *= 0.5f;
+            light += share * other.light, weight += share * other.weight;
+        }
+    glm::vec3 result(0);
+    for (int c = 0; c < 3; ++c) result[c] = weight[c] > 0 ? own.weight[c] * (light[c] / weight[c]) : own.light[c];
+    return result;
+}
+
+void LobeImage::add_to(ImageF& color, float scale, Tasks& tasks, const LobeFilterOptions& options) const
+{
+    GNOMON_CHECK(color.width == size_.width && color.height == size_.height);
+    tasks.for_each(static_cast<std::size_t>(size_.height), [&](std::size_t row, int) {
+        interruption_point();
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < size_.width; ++x) {
+            const glm::vec3 light = scale * filtered(x, y, options);
+            float* const to = color.pixel(x, y);
+            for (int c = 0; c < 3; ++c) to[c] += light[c];
+        }
+    });
+}
+
+}   // namespace gnomon::trace

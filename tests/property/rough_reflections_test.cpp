@@ -1,0 +1,325 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reflections by rough metals: rays of their lobes, filtered between pixels.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/math.h"
+#include "base/random.h"
+#include "gnomon/gnomon.h"
+#include "host_scene.h"
+#include "shading/glossy.h"
+#include "shading/lobe_rays.h"
+#include "trace/lobe_filter.h"
+
+namespace gnomon {
+namespace {
+
+MeshId add_ball(SceneBuilder& builder)
+{
+    constexpr std::uint32_t k_rings = 48, k_sides = 96;
+    std::vector<Vec3> positions;
+    std::vector<std::uint32_t> indices;
+    for (std::uint32_t y = 0; y <= k_rings; ++y)
+        for (std::uint32_t x = 0; x < k_sides; ++x) {
+            const double v = k_pi * y / k_rings, u = 2 * k_pi * x / k_sides;
+            positions.push_back({static_cast<float>(std::sin(v) * std::cos(u)), static_cast<float>(std::cos(v)),
+                                 static_cast<float>(std::sin(v) * std::sin(u))});
+        }
+    const auto at = [&](std::uint32_t x, std::uint32_t y) { return y * k_sides + x % k_sides; };
+    for (std::uint32_t y = 0; y < k_rings; ++y)
+        for (std::uint32_t x = 0; x < k_sides; ++x)
+            for (const std::uint32_t i :
+                 {at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)})
+                indices.push_back(i);
+    return builder.mesh({.positions = positions, .indices = indices, .normals = positions});
+}
+
+Material metal(float roughness)
+{
+    return {.base_color = {0.95f, 0.93f, 0.88f}, .metallic = 1, .roughness = roughness};
+}
+
+// A ball in a box from -1 to 1 with coloured walls, open in front, under a spot light and a small emissive square. The
+// ball fills the image.
+Scene ball_in_a_box(const Material& material, double height = 0.92)
+{
+    SceneBuilder builder;
+    const MeshId cube = builder.mesh(test::cube(0.5f).mesh()), square = builder.mesh(test::square(0.2f).mesh());
+    const auto wall = [&](const Vec3& color, const Vec3& at, const Vec3& size) {
+        builder.instance(cube, builder.material({.base_color = color, .roughness = 1, .ior = 1}),
+                         Transform::translation(at.x, at.y, at.z) * Transform::scaling(size.x, size.y, size.z));
+    };
+    const Vec3 white{0.75f, 0.75f, 0.75f};
+    wall(white, {0, -1.05f, 0}, {2, 0.1f, 2});
+    wall(white, {0, 1.05f, 0}, {2, 0.1f, 2});
+    wall(white, {0, 0, -1.05f}, {2.2f, 2.2f, 0.1f});
+    wall({0.75f, 0.1f, 0.1f}, {-1.05f, 0, 0}, {0.1f, 2.2f, 2});
+    wall({0.1f, 0.75f, 0.1f}, {1.05f, 0, 0}, {0.1f, 2.2f, 2});
+    builder.instance(square, builder.material({.base_color = {0, 0, 0}, .emissive = {6, 6, 6}}),
+                     Transform::translation(0, 0.2, -0.99));
+    builder.instance(add_ball(builder), builder.material(material),
+                     Transform::translation(0, -0.5, 0.1) * Transform::scaling(0.5, 0.5, 0.5));
+    builder.light({.type = LightType::spot, .color = {8, 8, 8}, .outer_angle = 0.7f},
+                  Transform::look_at({0.6, 0.8, 0.9}, {-0.5, -0.2, -0.2}));
+    Camera camera;
+    camera.transform = Transform::look_at({0, 0, 3.6}, {0, -0.5, 0.1});
+    camera.vertical_fov = 2 * std::atan(0.5 * height / 3.5);
+    builder.camera(camera);
+    return builder.finish();
+}
+
+RenderOptions options_of(int size)
+{
+    RenderOptions options;
+    options.size = {size, size};
+    return options;
+}
+
+std::vector<float> rendered(const Scene& scene, const RenderOptions& options)
+{
+    const Frame frame = Renderer(options).render(scene, 1);
+    const auto values = frame.layers.front().values();
+    return {values.begin(), values.end()};
+}
+
+std::vector<float> reference(const Scene& scene, int size, int paths, std::uint64_t seed)
+{
+    RenderOptions options = options_of(size);
+    options.reference = ReferenceLightOptions{.spp = paths, .bounces = 32, .seed = seed};
+    return rendered(scene, options);
+}
+
+struct Error {
+    double nrmse = 0, energy = 0;
+};
+
+// The error of an image against two independent references, the noise of which is in neither figure.
+Error error_of(const std::vector<float>& image, const std::vector<float>& a, const std::vector<float>& b)
+{
+    double square = 0, sum = 0, all = 0;
+    for (std::size_t i = 0; i < image.size(); ++i) {
+        const double x = image[i], p = a[i], q = b[i];
+        square += (x - p) * (x - q), sum += x, all += 0.5 * (p + q);
+    }
+    const auto n = static_cast<double>(image.size());
+    return {std::sqrt(std::max(square / n, 0.0)) / (all / n), sum / all};
+}
+
+TEST(RoughReflections, AMetalBallInABoxIsThatOfTheReference)
+{
+    constexpr int k_size = 40, k_paths = 256;
+    for (int i = 1; i <= 10; ++i) {   // a mirror has no lobe
+        const Scene scene = ball_in_a_box(metal(0.1f * static_cast<float>(i)));
+        const std::vector<float> a = reference(scene, k_size, k_paths, 1), b = reference(scene, k_size, k_paths, 2);
+        const Error error = error_of(rendered(scene, options_of(k_size)), a, b);
+        RecordProperty("nrmse_" + std::to_string(i), std::to_string(error.nrmse));
+        EXPECT_LE(error.nrmse, i >= 2 && i <= 4 ? 0.15 : 0.08) << "roughness 0." << i;
+        EXPECT_NEAR(error.energy, 1, 0.03) << "roughness 0." << i;
+    }
+}
+
+// The comparison above notices a wrong lobe.
+TEST(RoughReflections, AnotherRoughnessIsNotThatOfTheReference)
+{
+    constexpr int k_size = 40;
+    const Scene right = ball_in_a_box(metal(0.6f)), wrong = ball_in_a_box(metal(0.3f));
+    const std::vector<float> a = reference(right, k_size, 64, 1), b = reference(right, k_size, 64, 2);
+    EXPECT_GT(error_of(rendered(wrong, options_of(k_size)), a, b).nrmse, 0.25);
+}
+
+// A mirror ray shows a smooth metal, and rays of its lobe a rough one.
+TEST(RoughReflections, NoSeamBetweenRoughnesses)
+{
+    constexpr int k_size = 40;
+    for (const float roughness : {0.05f, 0.12f, 0.15f, 0.45f}) {
+        const std::vector<float> below = rendered(ball_in_a_box(metal(roughness - 0.001f)), options_of(k_size)),
+                                 above = rendered(ball_in_a_box(metal(roughness + 0.001f)), options_of(k_size));
+        double difference = 0, all = 0;
+        for (std::size_t i = 0; i < below.size(); ++i) {
+            // Highlights of the spot light differ more: their peak goes with the fourth power of the roughness.
+            const double x = std::min(below[i], 1.0f), y = std::min(above[i], 1.0f);
+            difference += std::abs(x - y), all += x;
+        }
+        EXPECT_LE(difference / all, 0.02) << roughness;
+    }
+}
+
+TEST(RoughReflections, WhiteMetalVanishesAtEveryRoughness)
+{
+    for (const float roughness : {0.0f, 0.04f, 0.06f, 0.1f, 0.2f, 0.3f, 0.4f, 0.7f, 1.0f}) {
+        SceneBuilder builder;
+        builder.instance(add_ball(builder),
+                         builder.material({.base_color = {1, 1, 1}, .metallic = 1, .roughness = roughness}));
+        builder.background({1, 1, 1});
+        Camera camera;
+        camera.transform = Transform::look_at({0, 0, 4}, {0, 0, 0});
+        camera.vertical_fov = 0.6;
+        builder.camera(camera);
+        for (const float value : rendered(builder.finish(), options_of(24))) {
+            EXPECT_GT(value, 0.98f) << roughness;
+            EXPECT_LT(value, 1.02f) << roughness;
+        }
+    }
+}
+
+TEST(RoughReflections, SameBytesForAnyThreadCountAndAWarmCache)
+{
+    const Scene scene = ball_in_a_box(metal(0.3f), 1.6);
+    for (const int samples : {1, 4}) {
+        RenderOptions options = options_of(72);
+        options.samples = samples, options.threads = 1;
+        const std::vector<float> one = rendered(scene, options);
+        options.threads = 3;
+        Renderer renderer(options);
+        for (int i = 0; i < 2; ++i) {
+            const Frame frame = renderer.render(scene, 1);
+            EXPECT_TRUE(std::ranges::equal(frame.layers.front().values(), one)) << samples << ' ' << i;
+        }
+    }
+}
+
+// The light of a smooth surface under even light steps nowhere: neither rays nor their filter show.
+TEST(RoughReflections, NoNoiseOnAFloorThatReflectsAWall)
+{
+    SceneBuilder builder;
+    const MeshId square = builder.mesh(test::square(2).mesh());
+    builder.instance(square, builder.material({.base_color = {0.9f, 0.9f, 0.9f}, .metallic = 1, .roughness = 0.5f}),
+                     Transform::rotation({1, 0, 0}, -k_pi / 2));
+    builder.instance(square, builder.material({.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .ior = 1}),
+                     Transform::translation(0, 2, -2));
+    builder.light({.type = LightType::directional, .color = {3, 3, 3}}, Transform::look_at({0, 1, 3}, {0, 0.8, 0}));
+    Camera camera;
+    camera.transform = Transform::look_at({0, 1, 1.8}, {0, 0, -0.9});
+    camera.vertical_fov = 0.5;
+    builder.camera(camera);
+    constexpr std::size_t k_size = 96;
+    const std::vector<float> image = rendered(builder.finish(), options_of(k_size));
+    double worst = 0, mean = 0;
+    for (const float value : image) mean += static_cast<double>(value) / static_cast<double>(image.size());
+    ASSERT_GT(mean, 0.05);
+    for (std::size_t y = 40; y + 1 < k_size; ++y)   // the wall is above
+
+        for (std::size_t x = 1; x + 1 < k_size; ++x) {
+            const auto at = [&](std::size_t px, std::size_t py) { return image[3 * (py * k_size + px)]; };
+            const double around = 0.25 * (at(x - 1, y) + at(x + 1, y) + at(x, y - 1) + at(x, y + 1));
+            worst = std::max(worst, std::abs(at(x, y) - around));
+        }
+    EXPECT_LE(worst, mean / 100);
+    RecordProperty("worst", std::to_string(worst / mean));
+}
+
+shading::SurfacePoint surface(float roughness, float cosine)
+{
+    shading::SurfacePoint s;
+    s.geometric_normal = s.normal = {0, 0, 1};
+    s.to_viewer = {std::sqrt(1 - cosine * cosine), 0, cosine};
+    s.specular = {0.9f, 0.6f, 0.3f};
+    s.roughness = roughness;
+    return s;
+}
+
+// Radiance by direction: half of the sky is bright.
+float bright_half(const glm::vec3& direction)
+{
+    return direction.y > 0.1f ? 1.0f : 0.2f;
+}
+
+TEST(LobeRays, TheirMeanIsTheLobesIntegral)
+{
+    for (const float roughness : {0.3f, 0.6f, 1.0f})
+        for (const float cosine : {0.2f, 0.9f}) {
+            const shading::SurfacePoint s = surface(roughness, cosine);
+            // Sum the lobe over a fine pattern of directions.
+            constexpr int k_side = 1200;
+            glm::dvec3 integral(0);
+            for (int i = 0; i < k_side; ++i)
+                for (int j = 0; j < k_side; ++j) {
+                    const double z = (i + 0.5) / k_side, phi = 2 * k_pi * (j + 0.5) / k_side, r = std::sqrt(1 - z * z);
+                    const glm::vec3 direction(r * std::cos(phi), r * std::sin(phi), z);
+                    integral += glm::dvec3(shading::reflect_glossy(s, direction) * bright_half(direction));
+                }
+            integral *= 2 * k_pi / k_side / k_side;
+            std::array<shading::LobeRay, 4096> rays;
+            const std::size_t count = shading::lobe_rays(s, 4096, glm::uvec2(0), false, rays);
+            ASSERT_GT(count, rays.size() / 4);
+            glm::dvec3 sum(0), weight(0);
+            for (std::size_t k = 0; k < count; ++k) {
+                EXPECT_GT(rays[k].direction.z, 0);
+                sum += glm::dvec3(rays[k].weight * bright_half(rays[k].direction));
+                weight += glm::dvec3(rays[k].weight);
+            }
+            sum *= glm::dvec3(shading::glossy_albedo(s));
+            for (int c = 0; c < 3; ++c) {
+                EXPECT_NEAR(weight[c], 1, 1e-4);
+                EXPECT_NEAR(sum[c], integral[c], 0.03 * integral[c]) << roughness << ' ' << cosine;
+            }
+        }
+}
+
+TEST(LobeRays, NeighbouringPixelsHaveBlocksOfTheirOwn)
+{
+    std::array<bool, 64> met{};
+    for (int y = 5; y < 13; ++y)
+        for (int x = 3; x < 11; ++x) {
+            const std::uint32_t block = shading::lobe_block(x, y);
+            ASSERT_LT(block, met.size());
+            EXPECT_FALSE(met[block]);
+            met[block] = true;
+        }
+}
+
+TEST(LobeRays, OnlyReflectiveRoughSurfacesHaveThem)
+{
+    shading::SurfacePoint s = surface(0.4f, 0.8f);
+    EXPECT_EQ(shading::lobe_share(s), 1);
+    s.specular = glm::vec3(0.04f);
+    EXPECT_EQ(shading::lobe_share(s), 0);
+    s = surface(0.01f, 0.8f);
+    EXPECT_EQ(shading::lobe_share(s), 0);
+}
+
+// An image of one plane, on which each pixel's rays brought light of its own.
+trace::LobeImage plane(int size, float width)
+{
+    trace::LobeImage image({size, size});
+    for (int y = 0; y < size; ++y)
+        for (int x = 0; x < size; ++x) {
+            trace::LobePixel& pixel = image.at(x, y);
+            pixel.weight = glm::vec3(0.5f);
+            pixel.light = pixel.weight * static_cast<float>(shading::lobe_block(x, y));
+            pixel.position = {0.01f * static_cast<float>(x), 0.01f * static_cast<float>(y), 0};
+            pixel.axis = {0, 0, 1};
+            pixel.width = width, pixel.footprint = 0.01f, pixel.nearness = 0.1f;
+        }
+    return image;
+}
+
+TEST(LobeFilter, InterleavedPatternsVanish)
+{
+    const trace::LobeImage image = plane(32, 0.2f);
+    for (int y = 8; y < 24; ++y)
+        for (int x = 8; x < 24; ++x) EXPECT_NEAR(image.filtered(x, y).x, 0.5f * 31.5f, 1e-3f);
+}
+
+TEST(LobeFilter, KeepsApartWhatReflectsOtherSurroundings)
+{
+    trace::LobeImage image = plane(32, 0.2f);
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) {
+            trace::LobePixel& pixel = image.at(x, y);
+            pixel.light = pixel.weight * (x < 16 ? 1.0f : 3.0f);
+            if (x >= 16) pixel.axis = glm::normalize(glm::vec3(0.3f, 0, 1));
+        }
+    EXPECT_NEAR(image.filtered(15, 16).x, 0.5f, 1e-5f);
+    EXPECT_NEAR(image.filtered(16, 16).x, 1.5f, 1e-5f);
+    // What is near looks different from each pixel.
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) image.at(x, y).nearness = 1000;
+    EXPECT_EQ(image.filtered(14, 16).x, image.at(14, 16).light.x);
+}
+
+}   // namespace
+}   // namespace gnomon
