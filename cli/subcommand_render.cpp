@@ -288,6 +288,7 @@ Scene load_scene(const CommandLine& line, const Progress& progress)
                                                 .threads = values.integer("threads"),
                                                 .strict = has("strict"),
                                                 .animation = has("animation") ? values.text("animation") : "",
+                                                .ground = has("ground") ? options::read_ground(values) : std::nullopt,
                                                 .variant = has("variant") ? values.text("variant") : ""});
     if (has("fps")) scene = scene.at_rate(values.number("fps"));
     if (has("light")) scene = scene.with_light_specs(values.all("light"));

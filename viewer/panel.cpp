@@ -22,7 +22,7 @@ constexpr ImU32 k_stage_colors[ViewTimes::k_stages] = {IM_COL32(229, 159, 53, 25
 bool of_scene(std::string_view name)
 {
     return name == "fps" || name == "lights" || name == "light" || name == "environment" || name == "strict" ||
-           name == "animation" || name == "variant";
+           name == "animation" || name == "variant" || name == "ground";
 }
 
 std::vector<std::string> split(std::string_view choices)

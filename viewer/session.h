@@ -100,7 +100,8 @@ struct SceneRecipe {
     std::optional<int> lights;
     std::vector<std::string> light_specs;
     std::string environment;
-    bool strict = false;              // refuses files with errors that could be repaired
+    bool strict = false;   // refuses files with errors that could be repaired
+    std::optional<bool> ground;
     std::string animation, variant;   // as LoadOptions has them
     friend bool operator==(const SceneRecipe&, const SceneRecipe&) = default;
 };

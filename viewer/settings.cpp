@@ -47,6 +47,7 @@ SceneRecipe ViewSettings::recipe(const std::string& scene) const
     if (values_.given("lights")) recipe.lights = values_.integer("lights");
     if (values_.given("light")) recipe.light_specs = values_.all("light");
     if (values_.given("environment")) recipe.environment = values_.text("environment");
+    recipe.ground = options::read_ground(values_);
     recipe.strict = values_.flag("strict");
     if (values_.given("animation")) recipe.animation = values_.text("animation");
     if (values_.given("variant")) recipe.variant = values_.text("variant");

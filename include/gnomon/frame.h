@@ -57,6 +57,13 @@ struct Layer {
     std::vector<float> copy() const;
 };
 
+/// What an image shows where nothing of the scene is.
+enum class BackgroundKind {
+    environment,   // what lights the scene: its sky, environment image or colour
+    transparent,   // nothing: the frame has a layer of alpha, and a ground shows its shadows alone
+    color,         // one colour
+};
+
 /// A rendered frame. It shares its memory with the renderer, which renders the next frame into the same memory if
 /// nothing holds a layer of it any more, and otherwise into new memory. A caller that drops a frame before it renders
 /// the next one therefore saves an allocation.
@@ -65,6 +72,10 @@ struct Frame {
     std::vector<Layer> layers;   // the first is the image
     double exposure = 0;         // stops, applied by write() and to_srgb8() before tone mapping
     ToneMap tonemap = ToneMap::neutral;
+    /// With another background than the environment there is a layer "alpha", and the image lacks what lies behind: its
+    /// colours are associated (multiplied by alpha).
+    BackgroundKind background = BackgroundKind::environment;
+    float background_color[3]{};   // of BackgroundKind::color, sRGB
     FrameCounters counters;
     double noise = 0;   // of a reference: the root mean square of its standard error, divided by the image's mean
     double milliseconds = 0;   // of the frame, without loading and writing
@@ -79,9 +90,13 @@ struct Frame {
 
     /// The layer of that name; null if the frame has none.
     const Layer* layer(const std::string& name) const;
-    /// Applies exposure, tone mapping and sRGB encoding. Returns width * height * 3 bytes.
+    /// Applies exposure, tone mapping and sRGB encoding, and puts a background of one colour behind; a transparent one
+    /// is black. Returns width * height * 3 bytes.
     std::vector<std::uint8_t> to_srgb8() const;
-    /// Writes .png (tone-mapped) or .exr (all layers, linear, without exposure). The file is replaced atomically.
+    /// The same as width * height * 4 bytes, with alpha that is not associated; 255 without a layer of alpha.
+    std::vector<std::uint8_t> to_srgb8_alpha() const;
+    /// Writes .png (tone-mapped; with alpha if the background is transparent) or .exr (all layers, linear, without
+    /// exposure). The file is replaced atomically.
     /// @throws UsageError    another extension; more channels than fit an .exr: 16,384, or fewer if the image is wider
     ///         than 2,047 pixels
     /// @throws MissingError  the file cannot be written

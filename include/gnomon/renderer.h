@@ -49,6 +49,9 @@ struct RenderOptions {
     int samples = 1;                    // per pixel
     std::optional<double> exposure{};   // stops; none: automatic, from this frame only
     ToneMap tonemap = ToneMap::neutral;
+    /// Mirrors and refracting bodies show the scene's own surroundings in any case.
+    BackgroundKind background = BackgroundKind::environment;
+    float background_color[3]{};   // of BackgroundKind::color, as shown: sRGB, 0 to 1, neither exposed nor tone-mapped
     ShadowCulling shadow_culling = ShadowCulling::certified;
     Indirect indirect = Indirect::visible;
     ShadowTextures shadow_textures = ShadowTextures::items;   // of the rasterised frame

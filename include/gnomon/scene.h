@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -73,8 +74,8 @@ class Scene {
     Scene with_light_specs(const std::vector<std::string>& specs) const;
 
     /// Adds light from an environment map: OpenEXR, Radiance HDR, PNG or JPEG in longitude by latitude, with its upper
-    /// edge towards +Y, its centre towards -Z and its right quarter towards +X. It replaces the background and the
-    /// default sky and sun; the file's own lights stay.
+    /// edge towards +Y, its centre towards -Z and its right quarter towards +X; or "builtin:studio". It replaces the
+    /// background and default light with its ground; the file's own lights stay.
     /// @param lights  number of directional lights that approximate it, a power of two from 1 to 1024
     /// @throws InputError  the file is missing or invalid
     /// @throws UsageError  the number of lights is not a power of two from 1 to 1024
@@ -155,6 +156,8 @@ struct LoadOptions {
     /// The animation of a glTF file that plays, by name or by number from 0; "all": all of them. Empty: the first, and
     /// each further one that animates nothing that one before it animates already.
     std::string animation{};
+    /// A ground under the scene that shows shadows and nothing else. Without a value: where the library adds a studio.
+    std::optional<bool> ground{};
     /// The variant of a glTF file's materials, by name. Empty: the materials that the file gives without a variant.
     std::string variant{};
 };

@@ -46,8 +46,8 @@ struct AreaLightParts {
 
 /// Options of SceneBuilder::finish(): what it adds to the parts.
 struct FinishOptions {
-    /// Add the light that load() adds to files without lights and emissive surfaces, with a warning: a sky and a sun,
-    /// or a light below the ceiling of a room.
+    /// Add light to a scene without lights whose emission reaches less than a quarter of it, with a warning: a sky and
+    /// a sun, or a light below the ceiling of a room. load() adds a studio to objects instead.
     bool default_light = false;
     /// Add the camera that load() adds to files without any: it shows the whole scene.
     bool default_camera = false;

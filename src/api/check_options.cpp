@@ -83,6 +83,12 @@ void check_options(const RenderOptions& o)
             "an overlay of shadow states or clusters shows the traced frame's inside: not with the rasteriser");
     if (o.renderer == RenderMethod::raster && o.reference)
         throw UsageError("the reference is traced: not with the rasteriser");
+    check_known("the background", o.background, BackgroundKind::color);
+    for (const float channel : o.background_color)
+        if (!(channel >= 0 && channel <= 1)) throw UsageError("the background's colour is out of range: 0 to 1");
+    if (o.background != BackgroundKind::environment &&
+        (o.renderer == RenderMethod::raster || o.overlay != Overlay::none))
+        throw UsageError("another background than the environment needs a traced frame without an overlay");
     if (o.cluster_shadows && (o.renderer == RenderMethod::raster || o.indirect != Indirect::quadtree))
         throw UsageError("shadows of clusters are traced: they need the traced frame, with indirect light by quadtree");
     if (o.separate_trees && (o.renderer == RenderMethod::raster || o.indirect != Indirect::quadtree))

@@ -6,6 +6,8 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "gnomon/error.h"
+#include "scene/builtin/studio.h"
+#include "scene/defaults/surroundings.h"
 
 namespace gnomon::api {
 
@@ -58,6 +60,12 @@ void forget_default_light(scene::Scene& scene)
 {
     std::erase_if(scene.warnings,
                   [](const std::string& warning) { return warning.starts_with("no light in the scene"); });
+    if (scene.background.environment == scene::studio_environment()) scene.background = {};
+    bool removed = false;
+    for (scene::Node& node : scene.nodes)
+        if (node.by_default && node.mesh != scene::none && node.name == scene::k_default_ground)
+            node.mesh = scene::none, removed = true;
+    if (removed) scene.finish();
 }
 
 }   // namespace gnomon::api

@@ -28,7 +28,8 @@ glm::dmat4 looking_matrix(const glm::dvec3& position, const glm::dvec3& directio
 /// Adds a node below the world. The scene may be finished already.
 scene::NodeId add_root(scene::Scene& scene, const std::string& name, const glm::dmat4& local);
 
-/// Removes the warning about a default light, which was removed.
+/// Removes the warning about default light, and what came with it: the background of a studio, and the ground unless
+/// the user asked for one. The lights are the caller's.
 void forget_default_light(scene::Scene& scene);
 
 }   // namespace gnomon::api

@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "base/image.h"
 #include "gnomon/error.h"
 #include "image/tone_map.h"
 #include "io/file/output_name.h"
@@ -79,7 +83,44 @@ std::vector<std::uint8_t> Frame::to_srgb8() const
     if (layers.empty()) throw UsageError("a frame without layers has no image");
     const std::span<const float> rgb = layers.front().values();
     std::vector<std::uint8_t> bytes(rgb.size());
-    image::encode_srgb8(rgb, exposure, tonemap, bytes);
+    const Layer* const alpha = background == BackgroundKind::environment ? nullptr : layer("alpha");
+    if (!alpha) {
+        image::encode_srgb8(rgb, exposure, tonemap, bytes);
+        return bytes;
+    }
+    // Tone-map colours as they are where they cover a pixel, and blend them as linear light.
+    const std::vector<std::uint8_t> shown = to_srgb8_alpha();
+    const float* linear = linear_from_srgb8();
+    const std::span<const float> covered = alpha->values();
+    std::vector<float> blended(rgb.size());
+    for (std::size_t i = 0; i < rgb.size(); ++i) {
+        const float behind = background == BackgroundKind::color ? linear_from_srgb(background_color[i % 3]) : 0.0f;
+        const float a = covered[i / 3];
+        blended[i] = a * linear[shown[i / 3 * 4 + i % 3]] + (1 - a) * behind;
+    }
+    image::encode_srgb8(blended, 0, ToneMap::none, bytes);
+    return bytes;
+}
+
+std::vector<std::uint8_t> Frame::to_srgb8_alpha() const
+{
+    if (layers.empty()) throw UsageError("a frame without layers has no image");
+    const std::span<const float> rgb = layers.front().values();
+    const std::size_t pixels = rgb.size() / 3;
+    const Layer* const alpha = background == BackgroundKind::environment ? nullptr : layer("alpha");
+    std::vector<float> apart(rgb.begin(), rgb.end());
+    if (alpha)
+        for (std::size_t i = 0; i < rgb.size(); ++i) {
+            const float a = alpha->values()[i / 3];
+            apart[i] = a > 0 ? rgb[i] / a : 0.0f;
+        }
+    std::vector<std::uint8_t> opaque(rgb.size()), bytes(pixels * 4);
+    image::encode_srgb8(apart, exposure, tonemap, opaque);
+    for (std::size_t p = 0; p < pixels; ++p) {
+        for (std::size_t c = 0; c < 3; ++c) bytes[4 * p + c] = opaque[3 * p + c];
+        const float a = alpha ? std::clamp(alpha->values()[p], 0.0f, 1.0f) : 1.0f;
+        bytes[4 * p + 3] = static_cast<std::uint8_t>(std::lround(255 * a));
+    }
     return bytes;
 }
 
@@ -88,11 +129,15 @@ void Frame::write(const std::filesystem::path& file) const
     if (io::output_kind(file) == io::OutputKind::video)
         throw UsageError(fmt::format("{}: one image is not a video; write .png or .exr", file.string()));
     if (io::is_exr_name(file)) {
-        io::write_exr(file, size, layers);
+        std::vector<Layer> written = layers;
+        for (Layer& layer : written)
+            if (layer.name == "alpha") layer.name.clear();   // the image's channel A
+        io::write_exr(file, size, written);
         return;
     }
-    Image8 image(size.width, size.height, 3);
-    image.data = to_srgb8();
+    const bool transparent = background == BackgroundKind::transparent && layer("alpha");
+    Image8 image(size.width, size.height, transparent ? 4 : 3);
+    image.data = transparent ? to_srgb8_alpha() : to_srgb8();
     io::write_png(file, image);
 }
 

@@ -127,6 +127,11 @@ void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const Ren
         result.layers.push_back(layer_of(name, std::move(channels), image, owner));
     };
     add("", {"R", "G", "B"}, buffers.color);
+    if (options.background != BackgroundKind::environment && engine.shown() == frame::Shown::light) {
+        add("alpha", {"A"}, buffers.alpha);
+        result.background = options.background;
+        std::copy(std::begin(options.background_color), std::end(options.background_color), result.background_color);
+    }
     if (options.ids) add("id", {"object", "material"}, buffers.ids);
     if (options.motion) add("motion", {"X", "Y"}, buffers.motion);
     if (!options.layers) return;

@@ -11,6 +11,7 @@
 #include "io/load.h"
 #include "scene/builtin/builtin.h"
 #include "scene/defaults/emissive_lights.h"
+#include "scene/defaults/surroundings.h"
 
 namespace gnomon {
 
@@ -20,16 +21,25 @@ Scene load(const std::string& what, const LoadOptions& options)
     const InterruptionScope scope(&interruption);
     report_progress("loading", 0);
     constexpr std::string_view builtin = "builtin:";
-    scene::Scene loaded = what.starts_with(builtin)
-                              ? scene::make_builtin(std::string_view(what).substr(builtin.size()))
-                              : io::load_scene(what, {}, {options.strict, options.animation, options.variant});
+    const bool is_builtin = what.starts_with(builtin);
+    scene::Scene loaded = is_builtin ? scene::make_builtin(std::string_view(what).substr(builtin.size()))
+                                     : io::load_scene(what, {}, {options.strict, options.animation, options.variant});
     if (loaded.clips.empty() && !options.animation.empty() && options.animation != "all")
         throw UsageError(fmt::format("no animation '{}': the scene has none", shown_name(options.animation)));
     if (loaded.variants.empty() && !options.variant.empty())
         throw UsageError(fmt::format("no variant '{}': the scene has none", shown_name(options.variant)));
     scene::add_emitter_lights(loaded);
-    scene::add_default_light(loaded);
-    scene::add_default_camera(loaded);
+    // Built-in scenes and AFF files are complete: what they leave dark is meant so.
+    if (is_builtin || loaded.timeline.own_frames) {
+        scene::add_default_light(loaded);
+        scene::add_default_camera(loaded);
+        if (options.ground.value_or(false)) scene::add_ground(loaded, scene::k_wanted_ground);
+    } else {
+        scene::add_default_camera(loaded);
+        scene::SurroundingsOptions surroundings;
+        surroundings.ground = options.ground;
+        scene::add_surroundings(loaded, surroundings);
+    }
     interruption_point();
     return api::public_scene(std::make_shared<const scene::Scene>(std::move(loaded)));
 }

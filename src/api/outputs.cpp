@@ -165,6 +165,12 @@ void write_outputs(const Frame& frame, std::span<const Output> outputs, Tasks& t
         sources.push_back(source);
     }
 
+    // An image with alpha is converted as a whole.
+    std::vector<std::uint8_t> with_alpha;
+    if (frame.background == BackgroundKind::transparent && frame.layer("alpha")) with_alpha = frame.to_srgb8_alpha();
+    std::vector<std::uint8_t> blended;
+    if (frame.background == BackgroundKind::color && frame.layer("alpha")) blended = frame.to_srgb8();
+
     struct Scratch {
         std::vector<float> rgb;
         std::vector<std::uint8_t> shown;
@@ -177,7 +183,16 @@ void write_outputs(const Frame& frame, std::span<const Output> outputs, Tasks& t
             const std::byte* from = static_cast<const std::byte*>(layer.data) + row * layer.row_stride;
             std::byte* to = targets[i].first_row + row * targets[i].row_stride;
             Scratch& own = scratch[static_cast<std::size_t>(worker)];
-            if (outputs[i].format == PixelFormat::rgba8)
+            const bool is_image = outputs[i].format == PixelFormat::rgba8 && &layer == &frame.layers.front();
+            if (is_image && !(with_alpha.empty() && blended.empty())) {
+                const std::size_t channels = with_alpha.empty() ? 3 : 4;
+                const std::vector<std::uint8_t>& shown = with_alpha.empty() ? blended : with_alpha;
+                const auto width = static_cast<std::size_t>(layer.size.width);
+                for (std::size_t x = 0; x < width; ++x, to += targets[i].pixel_stride) {
+                    to[3] = std::byte{255};
+                    std::memcpy(to, &shown[(y * width + x) * channels], channels);
+                }
+            } else if (outputs[i].format == PixelFormat::rgba8)
                 write_shown_row(frame, layer, from, to, targets[i].pixel_stride, own.rgb, own.shown);
             else
                 write_row(outputs[i], sources[i], from, to, targets[i].pixel_stride);

@@ -334,7 +334,9 @@ scene::View Renderer::Impl::make_view(const Wanted& wanted, const FrameInput& in
     }
     const scene::View view = engine.make_view(wanted.scene_camera, wanted.size, wanted.turn);
     const scene::Camera& described = host.values().scene()->cameras[wanted.scene_camera];
-    placed = {described, wanted.turn ? scene::matrix_of(view) : engine.state()->world(described.node)};
+    placed = {described, wanted.turn ? scene::matrix_of(view)
+                                     : scene::placed(described, engine.state()->world(described.node), wanted.size)};
+    placed.camera.fit.reset();   // it stands where this image needs it
     camera = api::from_scene(described, placed.to_world);
     return view;
 }

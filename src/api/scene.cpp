@@ -10,6 +10,7 @@
 #include "base/one_line.h"
 #include "gnomon/scene.h"
 #include "io/image/float_image.h"
+#include "scene/builtin/studio.h"
 #include "scene/environment.h"
 #include "scene/scene.h"
 
@@ -167,7 +168,9 @@ Scene Scene::with_lights(int count) const
     // Emissive surfaces keep the lights that approximate them.
     std::size_t kept = 0;
     for (std::size_t l = 0; l < changed->lights.size();) {
-        if (changed->lights[l].of_surface || kept++ < static_cast<std::size_t>(count)) {
+        const scene::Light& light = changed->lights[l];
+        const bool of_studio = light.by_default && light.of_environment;
+        if (light.of_surface || of_studio || kept++ < static_cast<std::size_t>(count)) {
             ++l;
             continue;
         }
@@ -200,7 +203,9 @@ Scene Scene::with_light_specs(const std::vector<std::string>& specs) const
 Scene Scene::with_environment(const std::filesystem::path& file, int lights) const
 {
     api::check_environment_lights(lights);
-    auto environment = std::make_shared<const scene::Environment>(io::read_float_image(file));
+    auto environment = file == "builtin:studio"
+                           ? scene::studio_environment()
+                           : std::make_shared<const scene::Environment>(io::read_float_image(file));
     Changed changed(*impl_);
     api::set_environment(
         *changed.scene, changed.stamps, std::move(environment), lights,

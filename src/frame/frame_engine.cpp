@@ -509,6 +509,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     trace::TracedOptions traced;
     traced.max_depth = options_.max_depth;
     traced.samples = options_.samples;
+    traced.backdrop_apart = options_.background != BackgroundKind::environment && plan_.shown == Shown::light;
     traced.layers = options_.layers && plan_.shown == Shown::light;
     if (in_scanline_order) traced.tile = 1;
     if (plan_.reference) {

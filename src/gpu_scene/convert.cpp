@@ -51,7 +51,7 @@ shared::GpuMaterial convert(const scene::Material& m)
     g.ior = m.ior;
     g.normal_scale = m.normal_scale;
     g.occlusion_strength = m.occlusion_strength;
-    g.model = static_cast<std::uint32_t>(m.model);
+    g.model = m.catches_shadows ? GNOMON_MODEL_CATCHER : static_cast<std::uint32_t>(m.model);
     g.alpha_mode = static_cast<std::uint32_t>(m.alpha_mode);
     g.layered = m.layers ? 1 : 0;
     g.base_color_texture = convert_use(m.base_color_texture);

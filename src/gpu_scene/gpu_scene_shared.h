@@ -44,6 +44,7 @@ struct GpuTextureUse {
 #define GNOMON_MODEL_METALLIC_ROUGHNESS 0u
 #define GNOMON_MODEL_WHITTED 1u
 #define GNOMON_MODEL_UNLIT 2u
+#define GNOMON_MODEL_CATCHER 3u   // metallic-roughness, and scene::Material::catches_shadows
 #define GNOMON_ALPHA_OPAQUE 0u
 #define GNOMON_ALPHA_MASK 1u
 #define GNOMON_ALPHA_BLEND 2u

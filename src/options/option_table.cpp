@@ -139,7 +139,10 @@ constexpr Option k_options[] = {
      .subcommands = bit(bench_lights), .group = k_scene,
      .help = "make point and spot lights squares with sides of this length"},
     {.name = "environment", .argument = "FILE", .kind = Kind::text, .subcommands = k_images, .group = k_scene,
-     .help = "light the scene by an environment map, longitude by latitude: .exr, .hdr, .png, .jpg"},
+     .help = "light the scene by an environment map, longitude by latitude: .exr, .hdr, .png, .jpg, or builtin:studio"},
+    {.name = "ground", .argument = "on|off", .kind = Kind::text, .subcommands = k_images, .group = k_scene,
+     .help = "a ground under the scene that shows shadows and nothing else (default: under objects in the built-in studio, "
+             "which a file without light gets)"},
     {.name = "variant", .argument = "NAME", .kind = Kind::text, .subcommands = k_scened | bit(info), .group = k_scene,
      .help = "variant of a glTF file's materials (default: the materials without a variant)"},
 
@@ -168,6 +171,10 @@ constexpr Option k_options[] = {
      .subcommands = k_images, .group = k_look, .help = "exposure in stops; auto: computed from each frame separately"},
     {.name = "tonemap", .argument = "NAME", .kind = Kind::choice, .fallback = "neutral", .choices = k_choices<ToneMap>,
      .subcommands = k_images, .group = k_look, .help = "tone mapping operator"},
+    {.name = "background", .argument = "COLOR|transparent|environment", .kind = Kind::text, .fallback = "environment",
+     .subcommands = k_images, .group = k_look,
+     .help = "what the image shows behind the scene: a colour such as white, #ffc or #ffcc00; transparent: nothing, with "
+             "alpha in .png and .exr; environment: what lights the scene. Traced images"},
     {.name = "overlay", .argument = "NAME", .kind = Kind::choice, .choices = k_choices<Overlay>,
      .subcommands = k_images, .group = k_look,
      .help = "colour the image by internal state. shadow-states: cached shadows, in a panel of --size for each light "

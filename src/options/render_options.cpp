@@ -2,11 +2,51 @@
 #include "options/render_options.h"
 
 #include <algorithm>
+#include <string_view>
+#include <utility>
 
 #include "gnomon/error.h"
 #include "gnomon/ranges.h"
 
 namespace gnomon::options {
+
+namespace {
+
+// Reads "transparent", "environment", "#rgb", "#rrggbb" or a name.
+void read_background(const std::string& text, RenderOptions& options)
+{
+    options.background = BackgroundKind::environment;
+    if (text == "environment") return;
+    options.background = BackgroundKind::transparent;
+    if (text == "transparent") return;
+    options.background = BackgroundKind::color;
+    constexpr std::pair<std::string_view, std::string_view> k_names[] = {
+        {"black", "000"}, {"white", "fff"},    {"grey", "808080"}, {"gray", "808080"},
+        {"red", "f00"},   {"green", "008000"}, {"blue", "00f"}};
+    std::string digits = text.starts_with('#') ? text.substr(1) : std::string();
+    for (const auto& [name, value] : k_names)
+        if (text == name) digits = value;
+    const bool hex = digits.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos;
+    if (!hex || (digits.size() != 3 && digits.size() != 6))
+        throw UsageError(
+            "--background: expected transparent, environment, #rgb, #rrggbb, black, white, grey, red, green "
+            "or blue");
+    const std::size_t width = digits.size() / 3;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const int value = std::stoi(digits.substr(c * width, width), nullptr, 16);
+        options.background_color[c] = static_cast<float>(value) / (width == 1 ? 15.0f : 255.0f);
+    }
+}
+
+}   // namespace
+
+std::optional<bool> read_ground(const OptionValues& values)
+{
+    if (!values.given("ground")) return {};
+    const std::string text = values.text("ground");
+    if (text != "on" && text != "off") throw UsageError("--ground: expected on or off");
+    return text == "on";
+}
 
 RenderOptions read_render_options(const OptionValues& values)
 {
@@ -44,6 +84,7 @@ RenderOptions read_render_options(const OptionValues& values)
     options.samples = values.integer("samples");
     if (values.text("exposure") != "auto") options.exposure = values.number("exposure");
     options.tonemap = values.choice<ToneMap>("tonemap");
+    read_background(values.text("background"), options);
     options.memory = values.integer("memory");
     options.threads = values.integer("threads");
     return options;

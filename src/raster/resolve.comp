@@ -124,6 +124,13 @@ void main()
     Triangle triangle;
     Surface s = surface_at(draw, id.y, origin, direction, frame.pixel_width, frame.pixel_spread, triangle);
     if (materials.at[draws.at[draw].material].layered != 0) add_layers(triangle, draws.at[draw].material, s);
+    if (s.model == GNOMON_MODEL_CATCHER) {
+        // It shows what is behind it where nothing keeps light from it (show_behind in shading.cpp).
+        s.model = GNOMON_MODEL_METALLIC_ROUGHNESS;
+        s.specular = vec3(0);
+        if (frame.open_irradiance != vec3(0))
+            s.diffuse = s.ambient = background_radiance(direction) * 3.14159265 / max(frame.open_irradiance, vec3(1e-6));
+    }
 
     vec3 own = s.emissive * s.coverage;
     own += ambient_light(s) * s.coverage + unresolved_mirror(s);

@@ -33,6 +33,9 @@ struct Material {
     glm::vec3 base_color{0.8f};
     TextureUse base_color_texture;
     bool double_sided = false;
+    /// A surface that is seen as what lies beyond the scene behind it, darker where objects keep light from it: the
+    /// ground under objects. Its colour counts for bounced light alone.
+    bool catches_shadows = false;
 
     // glTF
     float alpha = 1;

@@ -131,6 +131,7 @@ void Scene::finish()
         Object object;
         object.node = static_cast<NodeId>(n);
         object.mesh = node.mesh;
+        object.by_default = node.by_default;
         object.skin = mesh.skin ? node.skin : none;
         object.deforming =
             object.skin != none || mesh.vertex_keys || (!mesh.morph_targets.empty() && node.weights) || node.deforms;
@@ -153,7 +154,7 @@ Statistics Scene::statistics() const
 {
     Statistics result;
     for (const Object& object : objects) {
-        if (object.removed) continue;
+        if (object.removed || object.by_default) continue;
         const std::uint64_t triangles = meshes[object.mesh].triangles.size();
         result.triangles += triangles;
         ++result.objects;
@@ -173,7 +174,7 @@ Box3 Scene::bounds(double time) const
         world[n] = node.parent == none ? local : world[node.parent] * local;
         visible[n] =
             (node.parent == none || visible[node.parent]) && (!node.visibility || node.visibility->evaluate(time));
-        if (node.mesh == none || !visible[n]) continue;
+        if (node.mesh == none || !visible[n] || node.by_default) continue;
         interruption_point();
         const Mesh& mesh = meshes[node.mesh];
         for (const glm::uvec3& triangle : mesh.triangles)

@@ -11,6 +11,7 @@
 #include "base/math.h"
 #include "gnomon/scene_parts.h"
 #include "gnomon/types.h"
+#include "scene/camera_fit.h"
 #include "scene/light.h"
 #include "scene/material.h"
 #include "scene/mesh.h"
@@ -32,6 +33,7 @@ struct Node {
     MeshId mesh = none;
     SkinId skin = none;
     std::vector<float> morph_weights;   // replace the mesh's defaults if not empty
+    bool by_default = false;            // added by the library, not by the file
     Box3 reach;   // the part of the world that its mesh is expected to move in, beside where tracks take it
 
     /// Whether it may move or be hidden: what is below moves with it as one body.
@@ -57,6 +59,9 @@ struct Camera {
     // These replace the projection above; the first that is given counts.
     std::optional<glm::dmat4> projection;   // is_projection(); with near and far of its own
     std::optional<Intrinsics> intrinsics;
+    /// Of a camera that the library added: its node stands where it shows the scene whole at CameraFit::k_node_aspect,
+    /// and images of other aspects are seen from elsewhere along the same direction.
+    std::shared_ptr<const CameraFit> fit;
 };
 
 /// Whether a matrix from camera to clip space (OpenGL's) is a perspective or an orthographic projection, without skew.
@@ -93,10 +98,11 @@ struct Object {
     NodeId node = none;
     MeshId mesh = none;
     SkinId skin = none;
-    GroupId group = none;     // none: static, or deforming
-    bool dynamic = false;     // below an animated node, skinned, morphing, or declared so: may change during the clip
-    bool deforming = false;   // its vertices may change
-    bool removed = false;     // a host removed it; see scene/continuation.h. It is never visible, its node is any
+    GroupId group = none;      // none: static, or deforming
+    bool dynamic = false;      // below an animated node, skinned, morphing, or declared so: may change during the clip
+    bool deforming = false;    // its vertices may change
+    bool by_default = false;   // its node is: it does not count, and bounds leave it out
+    bool removed = false;      // a host removed it; see scene/continuation.h. It is never visible, its node is any
 };
 
 /// Dynamic rigid objects with the same nearest animated ancestor; they always move together.
@@ -154,7 +160,8 @@ class Scene {
 };
 
 /// Adds a sky and a sun, or the light of a room, to a scene without lights whose emission shines on less than a quarter
-/// of its surfaces, and a camera that frames the scene to a scene without cameras; each adds a warning. The result depends on the scene only. Call after finish().
+/// of its surfaces, and a camera that frames the scene to a scene without cameras; each adds a warning. The result
+/// depends on the scene only. Call after finish().
 void add_default_light(Scene& scene);
 void add_default_camera(Scene& scene);
 

@@ -120,8 +120,19 @@ View make_view(const scene::SceneState& state, scene::CameraId id, Size size)
     return make_view(camera, state.world(camera.node), size);
 }
 
-View make_view(const scene::Camera& camera, const glm::dmat4& world, Size size)
+glm::dmat4 placed(const scene::Camera& camera, const glm::dmat4& world, Size size)
 {
+    if (!camera.fit || !(size.height > 0)) return world;
+    const double aspect = static_cast<double>(size.width) / size.height;
+    const glm::dvec3 step = camera.fit->eye(aspect) - camera.fit->eye(CameraFit::k_node_aspect);
+    glm::dmat4 result = world;
+    result[3] = world * glm::dvec4(step, 1);
+    return result;
+}
+
+View make_view(const scene::Camera& camera, const glm::dmat4& node, Size size)
+{
+    const glm::dmat4 world = placed(camera, node, size);
     const glm::dvec3 forward = unit(-glm::dvec3(world[2]), {0, 0, -1});
     const glm::dvec3 right = unit(glm::cross(forward, glm::dvec3(world[1])), {1, 0, 0});
     const glm::dvec3 up = glm::cross(right, forward);

@@ -44,6 +44,9 @@ View make_view(const scene::SceneState& state, scene::CameraId camera, Size size
 /// @param world  from camera space to the world; its scale is ignored
 View make_view(const scene::Camera& camera, const glm::dmat4& world, Size size);
 
+/// The place of a camera for an image of a size: `world`, unless the camera adapts to the image (Camera::fit).
+glm::dmat4 placed(const scene::Camera& camera, const glm::dmat4& world, Size size);
+
 /// From the space of a view's camera to the world.
 glm::dmat4 matrix_of(const View& view);
 

@@ -9,7 +9,10 @@ namespace gnomon::shading {
 
 /// Linear values averaged over samples; depth and normal are those of the first sample.
 struct FrameBuffers {
-    ImageF color;      // 3 channels
+    ImageF color;   // 3 channels
+    /// 1: how much of the pixel shows surfaces of the scene, and shadows on the ground. Filled only if the background
+    /// is not what the scene's surroundings are; `color` then lacks what is behind.
+    ImageF alpha;
     ImageF depth;      // 1: along the view's forward axis; 0 where no surface was hit
     ImageF normal;     // 3: shading normal in world space
     ImageF albedo;     // 3

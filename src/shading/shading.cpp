@@ -120,6 +120,7 @@ glm::vec3 reflect_light(const SurfacePoint& s, const glm::vec3& to_light, const 
     const float cos_geometric = glm::dot(s.geometric_normal, to_light);
     if (cosine <= 0 || cos_geometric <= 0) return glm::vec3(0);
     const float soft = soften_terminator(cos_geometric, cosine, glm::dot(s.normal, s.geometric_normal));
+    if (s.catches_shadows) return s.diffuse * irradiance * (k_inverse_pi * cosine * s.coverage);
     const glm::vec3 reflectance =
         s.model == scene::ShadingModel::whitted ? phong(s, to_light, cosine) : ggx(s, to_light, cosine);
     const glm::vec3 result = reflectance * irradiance * (soft * s.coverage);
@@ -133,7 +134,7 @@ glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light,
     if (cosine <= 0 || cos_geometric <= 0) return glm::vec3(0);
     const float soft = soften_terminator(cos_geometric, cosine, glm::dot(s.normal, s.geometric_normal));
     glm::vec3 reflectance = s.diffuse * k_inverse_pi;
-    if (s.model != scene::ShadingModel::whitted) {
+    if (s.model != scene::ShadingModel::whitted && !s.catches_shadows) {
         const glm::vec3 half = glm::normalize(to_light + s.to_viewer);
         reflectance *= glm::vec3(1) - schlick(s.specular, glm::dot(s.to_viewer, half), s.f90);
     }
@@ -174,6 +175,14 @@ glm::vec3 reflect_irradiance(const SurfacePoint& s, const Continuation& next, co
     const glm::vec3 not_traced = glm::max(glm::vec3(1) - next.reflected_weight - next.lobe_weight, glm::vec3(0));
     const glm::vec3 not_mirrored = glm::max(not_traced - next.unresolved_weight, glm::vec3(0));
     return reflectance * (not_traced * indirect + not_mirrored * surroundings);
+}
+
+void show_behind(SurfacePoint& s, const glm::vec3& behind, const glm::vec3& open)
+{
+    s.diffuse = behind * static_cast<float>(k_pi) / open;
+    s.ambient = s.diffuse;
+    s.specular = glm::vec3(0);
+    s.roughness = 1;
 }
 
 Continuation continue_from(const SurfacePoint& s)

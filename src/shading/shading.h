@@ -29,6 +29,12 @@ glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light,
 /// @param further  a sky's own colour stands in for light of further bounces
 glm::vec3 ambient_light(const SurfacePoint& s, const scene::Scene& scene, bool stand_in, bool further = true);
 
+/// Makes a surface that catches shadows show what is behind it where nothing keeps light from it, and less of it
+/// elsewhere: its reflectance becomes that of a diffuse surface which would look so.
+/// @param behind  radiance from beyond the scene, along the ray that sees the surface
+/// @param open    irradiance of the surface if nothing of the scene hid light from it; above 0
+void show_behind(SurfacePoint& s, const glm::vec3& behind, const glm::vec3& open);
+
 /// The rays that continue from a surface, each with the weight of its radiance. A weight of zero: no such ray.
 struct Continuation {
     glm::vec3 reflected_weight{0}, reflected{0};

@@ -307,6 +307,7 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
     s.normal = to_viewers_side(s, s.normal);
 
     s.model = material.model;
+    s.catches_shadows = material.catches_shadows;
     if (material.model == scene::ShadingModel::whitted)
         fill_whitted(material, frame, s);
     else

@@ -39,8 +39,9 @@ struct SurfacePoint {
     glm::vec3 to_viewer{0};          // unit
     bool winding_front = true;   // that side is the front by world-space winding (differs from `front` under mirroring)
     bool front = true;           // the ray hit the front
-    float offset = 0;            // distance along the geometric normal at which new rays start (rounding)
-    RayCone cone;                // at the point
+    bool catches_shadows = false;   // see scene::Material
+    float offset = 0;               // distance along the geometric normal at which new rays start (rounding)
+    RayCone cone;                   // at the point
 
     // The material at the point. Diffuse: reflectance. Specular: mirror reflectance at normal incidence.
     scene::ShadingModel model = scene::ShadingModel::metallic_roughness;

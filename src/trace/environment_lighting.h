@@ -69,6 +69,8 @@ class EnvironmentLighting {
     void light_by_suns(const PointBatch& batch, std::size_t tile, const scene::SceneState& state,
                        const std::function<void(const TilePoint&, const glm::vec3&, scene::LightId, float)>& add);
     bool has_image() const { return !technique_.empty(); }
+    /// Of the image, on a surface that sees everything above it. @pre has_image()
+    glm::vec3 open_irradiance(const glm::vec3& normal) const { return technique_.light().light().irradiance(normal); }
     bool has_sun(scene::LightId light) const;
     const environment_light::VisibilityCounters& counters() const { return scratch_.counters; }
 

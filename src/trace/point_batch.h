@@ -56,7 +56,8 @@ struct Path {
     float emission = 1;           // the share of emission at its end that is not counted already, by a highlight
     float background = 1;         // likewise, of the background
     LobePath lobe = {};
-    float parts = 1;   // paths into which a rough surface split it
+    float parts = 1;         // paths into which a rough surface split it
+    bool straight = false;   // it came from the camera without being reflected or refracted
 };
 
 /// A point to shade.
@@ -65,9 +66,11 @@ struct TilePoint {
     shading::Continuation next;
     std::uint32_t pixel;   // of the tile
     glm::vec3 throughput;
-    float parts = 1;       // as of its path
-    bool glossy = false;   // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
-    LobePath lobe;         // of the path that it ends
+    float parts = 1;         // as of its path
+    bool straight = false;   // see Path
+    bool behind = false;     // its light counts as what lies behind the scene: TracedOptions::backdrop_apart
+    bool glossy = false;     // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
+    LobePath lobe;           // of the path that it ends
 };
 
 /// The points of one queue. The spans hold until the batch is shaded.

@@ -18,6 +18,20 @@ constexpr std::size_t k_lobe_rays_at_once = 16384;
 constexpr std::uint32_t k_lobe_batches = 8;   // of random rays: their spread is the error
 constexpr float k_least_cosine = 0.1f;        // of the view, for the pixel's footprint
 
+// The mean radiance of a sky over the directions above a level surface, weighted by their cosines.
+glm::vec3 open_sky_radiance(scene::Background sky)
+{
+    sky.sun_radiance = glm::vec3(0);
+    constexpr int k_rings = 64;
+    glm::vec3 sum(0);
+    for (int i = 0; i < k_rings; ++i) {
+        // Rings of equal weight; the sky is the same all round.
+        const float y = std::sqrt((static_cast<float>(i) + 0.5f) / k_rings);
+        sum += sky.radiance({std::sqrt(1 - y * y), y, 0});
+    }
+    return sum / static_cast<float>(k_rings);
+}
+
 float largest(const glm::vec3& v)
 {
     return std::max({v.x, v.y, v.z});
@@ -61,6 +75,12 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
     if (environment) environment_.emplace(*environment, rays_);
     sees_image_ = environment_ && environment_->has_image();
     thins_light_ = rays_.thins_light();
+    open_sky_ = glm::vec3(0);
+    if (scene_.background.kind == scene::Background::Kind::sky) {
+        // As the light of a sky is computed: by bounces, or unoccluded.
+        open_sky_ = static_cast<float>(k_pi) *
+                    (indirect ? open_sky_radiance(scene_.background) : scene_.background.ambient({0, 1, 0}));
+    }
     primary_.rays.purpose = ray::RayClass::primary;
     for (PathQueue* queue : {&reflected_, &next_reflected_}) queue->rays.purpose = ray::RayClass::reflection;
     for (PathQueue* queue : {&refracted_, &next_refracted_}) queue->rays.purpose = ray::RayClass::refraction;
@@ -128,6 +148,7 @@ void TileTracer::begin_tile(const Tile& tile)
     lobe_light_.clear();
     const auto pixels = static_cast<std::size_t>(tile.side) * static_cast<std::size_t>(tile.side);
     color_.assign(pixels, glm::vec3(0));
+    if (options_.backdrop_apart) backdrop_.assign(pixels, glm::vec3(0));
     if (options_.layers) {
         for (auto* layer : {&direct_, &indirect_color_, &albedo_, &normal_}) layer->assign(pixels, glm::vec3(0));
         depth_.assign(pixels, 0);
@@ -162,8 +183,9 @@ void TileTracer::queue_primary(int sample)
         float tnear, tfar;
         view_.ray(static_cast<float>(tile_.x + x) + offset.x, static_cast<float>(tile_.y + y) + offset.y, origin,
                   direction, tnear, tfar);
-        const Path path{
+        Path path{
             static_cast<std::uint32_t>(y * tile_.side + x), glm::vec3(1), {view_.pixel_width, view_.pixel_spread}};
+        path.straight = true;
         primary_.push(path, origin, tnear, direction, tfar);
     }
     counters_.primary_rays += primary_.rays.size();
@@ -201,7 +223,9 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
 
         // Add the background where the ray left the scene.
         if (hits_.object[i] == scene::none) {
-            if (!path.sees_no_light && path.background > 0)
+            if (path.straight && options_.backdrop_apart)
+                backdrop_[path.pixel] += path.throughput;
+            else if (!path.sees_no_light && path.background > 0)
                 add_color(path.pixel, path.lobe,
                           path.throughput * (path.background * scene_.background.radiance(direction)));
             continue;
@@ -211,6 +235,8 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
                             hits_.t[i], direction, path.cone, point.surface);
         point.pixel = path.pixel;
         point.throughput = path.throughput;
+        point.straight = path.straight;
+        const glm::vec3 unlit_behind = point.surface.catches_shadows ? show_behind(point, direction) : glm::vec3(0);
         point.lobe = path.lobe;
         if (path.lobe.rays > 0) shading::widen_lobe(rays_.geometry(hits_.object[i]), hits_.triangle[i], point.surface);
         point.parts = path.parts;
@@ -226,14 +252,14 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         }
 
         // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
-        glm::vec3 own(0);
+        glm::vec3 own = unlit_behind;
         const bool unlit = s.model == scene::ShadingModel::unlit;
         if (!path.sees_no_light || unlit) own += s.emissive * (s.coverage * (unlit ? 1.0f : path.emission));
         own += shading::ambient_light(s, scene_, !indirect_light_,
                                       !(indirect_light_ && indirect_light_->has_further_bounces()));
         if (!sees_image_ && point.next.unresolved_weight != glm::vec3(0))
             own += point.next.unresolved_weight * scene_.background.ambient(point.next.reflected);
-        add_color(path.pixel, path.lobe, point.throughput * own);
+        add_light(point, point.throughput * own);
         if (primary && options_.layers) {
             albedo_[path.pixel] += s.diffuse + s.specular;
             if (sample == 0) {
@@ -246,6 +272,38 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
                                   hits_.object[i], hits_.triangle[i], hits_.u[i], hits_.v[i], s.winding_front});
         normals_.push_back(s.normal);
     }
+}
+
+// Irradiance of a level surface that faces up, if nothing of the scene hid a light from it.
+glm::vec3 TileTracer::open_irradiance(const shading::SurfacePoint& s) const
+{
+    glm::vec3 sum = open_sky_;
+    if (sees_image_) sum += environment_->open_irradiance(s.normal);
+    for (std::size_t l = 0; l < scene_.lights.size(); ++l) {
+        const scene::Light& light = scene_.lights[l];
+        const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
+        // Emissive surfaces are objects, whose light brightens the ground.
+        if (!at.visible || light.of_surface || (sees_image_ && light.of_environment)) continue;
+        if (indirect_light_ && indirect_light_->replaces(light)) continue;
+        const scene::LightSample sample = scene::illuminate(light, at, s.position);
+        sum += sample.irradiance * std::max(0.0f, glm::dot(s.normal, sample.to_light));
+    }
+    return sum;
+}
+
+// Lets a surface that catches shadows show what lies behind it.
+// @return  its radiance where it needs no light for that
+glm::vec3 TileTracer::show_behind(TilePoint& point, const glm::vec3& direction) const
+{
+    const bool apart = point.straight && options_.backdrop_apart;
+    // Before a background of one colour, it is an ordinary diffuse surface.
+    if (!apart && scene_.background.kind == scene::Background::Kind::color) return glm::vec3(0);
+    point.behind = apart;
+    const glm::vec3 open = open_irradiance(point.surface);
+    const glm::vec3 behind = apart ? glm::vec3(1) : scene_.background.radiance(direction);
+    const bool lit = std::min({open.x, open.y, open.z}) > 0;
+    shading::show_behind(point.surface, lit ? behind : glm::vec3(0), lit ? open : glm::vec3(1));
+    return lit ? glm::vec3(0) : behind;
 }
 
 // Finds, light by light, the points that it reaches, and adds its light there.
@@ -272,7 +330,7 @@ void TileTracer::add_lights(const PointBatch& batch, Stopwatch& watch)
             if (thins_light_) sample.irradiance *= passes_[k];
             const auto reflect = light.of_environment ? shading::reflect_surroundings : shading::reflect_light;
             const glm::vec3 radiance = point.throughput * reflect(point.surface, sample.to_light, sample.irradiance);
-            add_color(point.pixel, point.lobe, radiance);
+            add_light(point, radiance);
             if (batch.primary && options_.layers) {
                 direct_[point.pixel] += radiance;
                 shadow_[point.pixel * lights + l] += thins_light_ ? luminance(passes_[k]) : 1;
@@ -301,7 +359,7 @@ void TileTracer::add_sized_lights(const PointBatch& batch, Stopwatch& watch)
     if (!sized_) return;
     sized_->light(batch, [&](const TilePoint& point, const glm::vec3& reflected) {
         const glm::vec3 radiance = point.throughput * reflected;
-        add_color(point.pixel, point.lobe, radiance);
+        add_light(point, radiance);
         if (batch.primary && options_.layers) direct_[point.pixel] += radiance;
     });
     watch.end(FrameTimes::shadows);
@@ -317,7 +375,7 @@ void TileTracer::add_environment(const PointBatch& batch, Stopwatch& watch)
     environment_->light_by_suns(batch, tile, state_,
                                 [&](const TilePoint& point, const glm::vec3& reflected, scene::LightId l, float share) {
                                     const glm::vec3 radiance = point.throughput * reflected;
-                                    add_color(point.pixel, point.lobe, radiance);
+                                    add_light(point, radiance);
                                     if (!batch.primary || !options_.layers) return;
                                     direct_[point.pixel] += radiance;
                                     shadow_[point.pixel * lights + l] += share;
@@ -325,7 +383,7 @@ void TileTracer::add_environment(const PointBatch& batch, Stopwatch& watch)
     if (sees_image_)
         environment_->light(batch, tile, [&](const TilePoint& point, const glm::vec3& reflected) {
             const glm::vec3 radiance = point.throughput * reflected;
-            add_color(point.pixel, point.lobe, radiance);
+            add_light(point, radiance);
             if (batch.primary && options_.layers) direct_[point.pixel] += radiance;
         });
     watch.end(FrameTimes::shadows);
@@ -349,7 +407,7 @@ void TileTracer::add_indirect(const PointBatch& batch)
                                        below * reflect_irradiance(point.surface, none, glm::vec3(0), surroundings));
         };
         const glm::vec3 surroundings = is_estimate_ ? arrives_.surroundings[k] : glm::vec3(0);
-        add_color(point.pixel, point.lobe, reflected(arrives_.irradiance[k], surroundings));
+        add_light(point, reflected(arrives_.irradiance[k], surroundings));
         // An environment image counts as direct light, as do the lights that approximate it; the sky does not.
         const bool sky = scene_.background.kind == scene::Background::Kind::sky;
         if (batch.primary && options_.layers) {
@@ -395,10 +453,11 @@ void TileTracer::queue_continuations(bool primary)
         const glm::vec3 lift = s.offset * s.geometric_normal;
         const auto queue = [&](PathQueue& to, const glm::vec3& weight, const glm::vec3& origin,
                                const glm::vec3& direction, bool sees_no_light = false, float emission = 1,
-                               float background = 1) {
+                               float background = 1, bool straight = false) {
             const glm::vec3 throughput = point.throughput * weight;
             if (largest(throughput) * std::max(point.lobe.rays, 1.0f) * point.parts < options_.min_throughput) return;
-            to.push({point.pixel, throughput, s.cone, sees_no_light, emission, background, point.lobe, point.parts},
+            to.push({point.pixel, throughput, s.cone, sees_no_light, emission, background, point.lobe, point.parts,
+                     straight},
                     origin, 0, direction, k_infinity);
         };
         if (s.layered) {
@@ -408,7 +467,7 @@ void TileTracer::queue_continuations(bool primary)
                   sized_ ? 1 - highlight_share(s) : 1, sees_image_ ? 1 - highlight_share(s) : 1);
             queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted);
         }
-        queue(next_refracted_, c.straight_weight, s.position - lift, -s.to_viewer);
+        queue(next_refracted_, c.straight_weight, s.position - lift, -s.to_viewer, false, 1, 1, point.straight);
         if (!primary && c.lobe_weight != glm::vec3(0)) queue_nested_lobe(point);
     }
     std::swap(reflected_, next_reflected_);
@@ -580,6 +639,8 @@ void TileTracer::store(shading::FrameBuffers& out) const
                 static_cast<std::size_t>(y) * static_cast<std::size_t>(tile_.side) + static_cast<std::size_t>(x);
             const int px = tile_.x + x, py = tile_.y + y;
             put(out.color, px, py, color_[from] * weight);
+            if (options_.backdrop_apart)
+                out.alpha.pixel(px, py)[0] = 1 - std::clamp(luminance(backdrop_[from] * weight), 0.0f, 1.0f);
             if (is_estimate_) {
                 put(out.variance, px, py, variance_[from] * (weight * weight));
                 put(out.irradiance, px, py, first_irradiance_[from] * weight);

@@ -69,6 +69,16 @@ class TileTracer {
     void trace_queue(const PathQueue& queue);
     void shade_hits(const PathQueue& queue, bool primary, int sample);
     void sort_hits(std::size_t count);
+    glm::vec3 open_irradiance(const shading::SurfacePoint& s) const;
+    glm::vec3 show_behind(TilePoint& point, const glm::vec3& direction) const;
+    // Adds what a point sends to the viewer, to the colour or to what lies behind.
+    void add_light(const TilePoint& point, const glm::vec3& radiance)
+    {
+        if (point.behind)
+            backdrop_[point.pixel] += radiance;
+        else
+            add_color(point.pixel, point.lobe, radiance);
+    }
     void add_lights(const PointBatch& batch, Stopwatch& watch);
     void add_sized_lights(const PointBatch& batch, Stopwatch& watch);
     void add_environment(const PointBatch& batch, Stopwatch& watch);
@@ -118,6 +128,8 @@ class TileTracer {
     std::vector<shading::TransmittedRay> transmitted_;
     IndirectResult arrives_;
 
+    glm::vec3 open_sky_{0};             // irradiance of a surface that faces up, by a sky without its sun
+    std::vector<glm::vec3> backdrop_;   // how much is seen of what lies behind, by pixel of the tile
     std::vector<glm::vec3> color_, direct_, indirect_color_, albedo_, normal_;   // by pixel of the tile
     std::vector<glm::vec3> variance_, first_irradiance_, first_variance_;        // of an estimate
     std::vector<float> depth_, shadow_;

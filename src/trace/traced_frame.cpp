@@ -27,9 +27,10 @@ void resize(ImageF& image, Size size, int channels)
         image = ImageF(size.width, size.height, channels);
 }
 
-void fit(shading::FrameBuffers& out, Size size, bool layers, bool estimate, std::size_t lights)
+void fit(shading::FrameBuffers& out, Size size, bool layers, bool estimate, bool alpha, std::size_t lights)
 {
     resize(out.color, size, 3);
+    if (alpha) resize(out.alpha, size, 1);
     if (estimate)
         for (ImageF* image : {&out.variance, &out.irradiance, &out.irradiance_variance}) resize(*image, size, 3);
     if (!layers) return;
@@ -94,7 +95,8 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     if (environment && environment->empty() && environment->light().suns().empty()) environment = nullptr;
     if (indirect) indirect->begin_frame(frame);
     watch.end(FrameTimes::light_maps);
-    fit(out, size, options.layers, indirect && indirect->is_estimate(), state.scene().lights.size());
+    fit(out, size, options.layers, indirect && indirect->is_estimate(), options.backdrop_apart,
+        state.scene().lights.size());
 
     std::optional<LobeImage> lobes;
     if (!options.random_lobes && has_lobes(state.scene())) lobes.emplace(size);

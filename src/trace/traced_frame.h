@@ -33,9 +33,12 @@ class ShadowTester;
 class SizedVisibility;
 
 struct TracedOptions {
-    int max_depth = 10;                 // reflections and refractions in a row
-    int samples = 1;                    // per pixel
-    bool layers = false;                // fill all of shading::FrameBuffers, not `color` alone
+    int max_depth = 10;    // reflections and refractions in a row
+    int samples = 1;       // per pixel
+    bool layers = false;   // fill all of shading::FrameBuffers, not `color` alone
+    /// Leave what lies behind the scene out of `color`, and fill `alpha`. A surface that catches shadows counts as what
+    /// lies behind, and its shadows as a dark surface.
+    bool backdrop_apart = false;
     float min_throughput = 1 / 300.f;   // a ray whose path has a lower throughput is not traced
     int tile = 32;                      // pixels a side; a power of two
     // Reflection by rough metals (shading/lobe_rays.h), unless max_depth is 0.

@@ -72,6 +72,7 @@ void add_mesh(Fingerprint& print, const scene::Mesh& mesh)
 
 void add_material(Fingerprint& print, const scene::Material& material)
 {
+    print.add(material.catches_shadows);
     print.add(material.model), print.add(material.double_sided), print.add(material.alpha_mode);
     for (const glm::vec3& color : {material.base_color, material.emissive, material.ambient, material.specular})
         print.add(color);
@@ -136,6 +137,7 @@ void add_nodes(Fingerprint& print, const scene::Scene& scene)
         print.add(camera.name), print.add(camera.node);   // --camera selects by name
         print.add(camera.vertical_fov), print.add(camera.orthographic_height);
         print.add(camera.near), print.add(camera.far);
+        if (camera.fit) print.add(camera.fit->eye(1)), print.add(camera.fit->eye(scene::CameraFit::k_node_aspect));
     }
 }
 
@@ -209,6 +211,8 @@ std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options)
     print.add(options.max_depth), print.add(options.samples);
     print.add(options.exposure.has_value()), print.add(options.exposure.value_or(0));
     print.add(options.tonemap);
+    print.add(options.background);
+    for (const float channel : options.background_color) print.add(channel);
     print.add(options.accelerator);
     // Certified culling gives the same pixels as none; the published method's depend on its history, too.
     print.add(options.shadow_culling == ShadowCulling::paper);

@@ -136,6 +136,8 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
 {
     // Reject invalid jobs before any frame is rendered.
     const io::OutputKind kind = io::output_kind(job.out);
+    if (kind == io::OutputKind::video && renderer.options().background == BackgroundKind::transparent)
+        throw UsageError("a video has no alpha: choose a background of one colour, or write numbered .png images");
     const FrameRange whole =
         job.frames.value_or(FrameRange{1, kind == io::OutputKind::image ? 1 : scene.frame_count()});
     check_job(scene, job, whole, kind);

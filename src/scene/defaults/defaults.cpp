@@ -5,9 +5,9 @@
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "base/check.h"
+#include "scene/defaults/default_light.h"
+#include "scene/defaults/default_view.h"
 #include "scene/defaults/emissive_lights.h"
-#include "scene/defaults/framing.h"
-#include "scene/defaults/interior.h"
 #include "scene/defaults/space_grid.h"
 #include "scene/emission.h"
 #include "scene/scene.h"
@@ -26,11 +26,6 @@ constexpr glm::vec3 k_zenith{0.16f, 0.28f, 0.55f}, k_horizon{0.50f, 0.57f, 0.65f
 constexpr glm::dvec3 k_to_sun_of_court{-0.55, 1.0, 0.12};
 // Irradiance by several bounces of sky and sun light in the courtyard's arcades.
 constexpr glm::vec3 k_fill_of_court{0.06f, 0.058f, 0.055f};
-
-// From the right, a little above: the angle of product photographs.
-constexpr glm::dvec3 k_to_camera{0.55, 0.36, 1.0};
-constexpr double k_fov = 0.7;
-constexpr double k_near = 5e-5;   // of the diagonal
 
 // The default light of a closed room: a square under the middle of the ceiling.
 constexpr float k_room_light_irradiance = 3;   // on the floor below, like that of the sun outdoors
@@ -126,22 +121,12 @@ NodeId add_looking_node(Scene& scene, const char* name, const glm::dvec3& eye, c
 }
 }   // namespace
 
-void add_default_light(Scene& scene)
+void add_sky_and_sun(Scene& scene, const Interior* court, const char* why)
 {
-    GNOMON_CHECK(!scene.child_begin.empty());   // after finish()
-    if (std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return !l.of_surface; })) return;
-    // Emission is light enough, however dim, if it shines on enough of the scene; a glowing sign or a headlight does
-    // not.
-    const bool emits = !scene.lights.empty();
-    if (emits && share_lit_by_emission(scene) >= k_enough_lit) return;
-    const char* const why = emits ? "emissive surfaces light little of the scene" : "no light in the scene";
-    // Light a closed room from its ceiling; no sun reaches it.
-    const auto interior = find_interior(scene);
-    if (interior && interior->covered) return add_room_light(scene, why);
     glm::dvec3 to_sun = k_to_sun;
-    if (interior) {
+    if (court) {
         scene.background.color = k_fill_of_court;
-        const glm::dvec3 ahead(interior->direction);
+        const glm::dvec3 ahead(court->direction);
         to_sun = k_to_sun_of_court.x * ahead + k_to_sun_of_court.y * glm::dvec3(0, 1, 0) +
                  k_to_sun_of_court.z * glm::cross(glm::dvec3(0, 1, 0), ahead);
     }
@@ -159,32 +144,40 @@ void add_default_light(Scene& scene)
     scene.warnings.push_back(fmt::format("{}: added a default sky and sun", why));
 }
 
+void add_light_of_place(Scene& scene, const Interior& place, const char* why)
+{
+    if (place.covered)
+        add_room_light(scene, why);
+    else
+        add_sky_and_sun(scene, &place, why);
+}
+
+void add_default_light(Scene& scene)
+{
+    GNOMON_CHECK(!scene.child_begin.empty());   // after finish()
+    if (std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return !l.of_surface; })) return;
+    // Emission is light enough, however dim, if it shines on enough of the scene; a glowing sign or a headlight does
+    // not.
+    const bool emits = !scene.lights.empty();
+    if (emits && share_lit_by_emission(scene) >= k_enough_lit) return;
+    const char* const why = emits ? "emissive surfaces light little of the scene" : "no light in the scene";
+    if (const auto interior = find_interior(scene)) return add_light_of_place(scene, *interior, why);
+    add_sky_and_sun(scene, nullptr, why);
+}
+
 void add_default_camera(Scene& scene)
 {
     if (!scene.cameras.empty()) return;
     GNOMON_CHECK(!scene.child_begin.empty());
-    if (const auto interior = find_interior(scene)) {
-        Camera camera;
-        camera.name = "default camera";
-        camera.vertical_fov = interior->vertical_fov;
-        camera.near = static_cast<double>(scene.bounds(scene.timeline.start).diagonal()) * k_near;
-        camera.node =
-            add_looking_node(scene, "default camera", glm::dvec3(interior->eye), glm::dvec3(interior->direction));
-        scene.cameras.push_back(camera);
-        scene.warnings.emplace_back("no camera in the scene: added a default camera inside the scene");
-        return;
-    }
-    FramingOptions options;
-    options.back = glm::normalize(k_to_camera);
-    options.vertical_fov = k_fov;
-    const Framed framed = frame_clip(scene, options);
-    Camera camera;
-    camera.name = "default camera";
-    camera.vertical_fov = k_fov;
-    camera.near = framed.size * k_near;
-    camera.node = add_looking_node(scene, "default camera", framed.eye, -options.back);
-    scene.cameras.push_back(camera);
-    scene.warnings.emplace_back("no camera in the scene: added a default camera that frames the scene");
+    // The pointer does not own the scene.
+    const SceneState state(std::shared_ptr<const Scene>(std::shared_ptr<const Scene>(), &scene), scene.timeline.start);
+    DefaultView view = choose_view(state);
+    view.camera.node = add_looking_node(scene, "default camera", view.eye, -view.axes[2]);
+    scene.cameras.push_back(view.camera);
+    const char* const how = !view.room         ? "that frames the scene"
+                            : view.room->stage ? "before the scene"
+                                               : "inside the scene";
+    scene.warnings.push_back(fmt::format("no camera in the scene: added a default camera {}", how));
 }
 
 }   // namespace gnomon::scene

@@ -5,6 +5,9 @@
 //
 // Cost: all vertices once, and the vertices of dynamic objects once for each of `looks` times.
 
+#include <memory>
+
+#include "scene/camera_fit.h"
 #include "scene/scene.h"
 
 namespace gnomon::scene {
@@ -12,7 +15,6 @@ namespace gnomon::scene {
 struct FramingOptions {
     glm::dvec3 back{0, 0, 1};   // unit, from the scene to the camera; not upright
     double vertical_fov = 0.7;
-    double narrowest_aspect = 4.0 / 3.0;   // wider frames show more at the sides
     double margin = 1.08;
     int looks = 17;   // number of sampled times
     float widest_clip =
@@ -20,11 +22,18 @@ struct FramingOptions {
 };
 
 struct Framed {
-    glm::dvec3 eye{0};
-    double size = 0;   // diagonal of everything framed
+    std::shared_ptr<const CameraFit> fit;   // in the camera's axes
+    glm::dmat3 axes{1};                     // right, up and back in the world
+    double size = 0;                        // diagonal of everything framed
+    Box3 box;                               // of everything framed
+
+    glm::dvec3 eye(double aspect) const { return axes * fit->eye(aspect); }
 };
 
 /// Frames a scene without vertices like a sphere of radius 1. Call after finish().
 Framed frame_clip(const Scene& scene, const FramingOptions& options);
+
+/// Right, up and back of a camera that looks along -back.
+glm::dmat3 camera_axes(const glm::dvec3& back);
 
 }   // namespace gnomon::scene

@@ -58,6 +58,12 @@ bool find_stage(const SpaceGrid& grid, Interior& result)
         result.eye[axis] =
             (sign > 0 ? box.low[axis] : box.high[axis]) - sign * half / std::tan(static_cast<float>(k_stage_fov) / 2);
         result.vertical_fov = k_stage_fov;
+        result.stage = true;
+        for (int corner = 0; corner < 4; ++corner) {
+            result.opening[corner][axis] = sign > 0 ? box.low[axis] : box.high[axis];
+            result.opening[corner][across] = corner & 1 ? box.high[across] : box.low[across];
+            result.opening[corner].y = corner & 2 ? box.high.y : box.low.y;
+        }
     }
     return found;
 }

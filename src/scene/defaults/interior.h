@@ -23,6 +23,8 @@ struct Interior {
     glm::vec3 eye{0};
     glm::vec3 direction{0, 0, -1};   // unit, level
     double vertical_fov = 1.0;       // radians
+    bool stage = false;              // seen through its open side, from outside
+    glm::vec3 opening[4]{};          // of a stage: the corners of that side
 };
 
 /// Returns nothing if the scene is an object, to be seen from outside.

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene/defaults/surroundings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "base/check.h"
+#include "scene/builtin/studio.h"
+#include "scene/defaults/default_light.h"
+#include "scene/defaults/default_view.h"
+#include "scene/defaults/framing.h"
+#include "scene/defaults/space_grid.h"
+#include "scene/defaults/test_image.h"
+
+namespace gnomon::scene {
+
+namespace {
+
+constexpr double k_ground_radius = 6;     // in diagonals of the scene
+constexpr double k_ground_below = 2e-4;   // likewise, so that what stands on it covers it
+constexpr int k_ground_corners = 48;
+constexpr glm::vec3 k_ground_color{0.45f};
+
+SceneState state_at_start(const Scene& scene)
+{
+    return {std::shared_ptr<const Scene>(std::shared_ptr<const Scene>(), &scene), scene.timeline.start};
+}
+
+// Whether a scene is spread over the ground, as wide as a place outdoors.
+bool is_landscape(const SceneState& state, const SurroundingsOptions& options)
+{
+    const Box3 box = state.scene().bounds(state.time());
+    if (box.empty()) return false;
+    const glm::dvec3 size(box.size());
+    const double side = std::max(size.x, size.z), other = std::min(size.x, size.z);
+    if (!(side >= static_cast<double>(options.landscape_side)) ||
+        other < static_cast<double>(options.landscape_depth) * side ||
+        size.y > static_cast<double>(options.landscape_height) * side)
+        return false;
+    // Look straight down from far away.
+    constexpr double far = 50;
+    TestImageOptions image_options;
+    image_options.vertical_fov = 2 * std::atan(0.5 / far);
+    image_options.near = side;
+    const glm::dmat3 axes(glm::dvec3(1, 0, 0), glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0));
+    const glm::dvec3 eye = glm::dvec3(box.centre()) + glm::dvec3(0, 0.5 * size.y + far * side, 0);
+    const TestImage image = draw_test_image(state, eye, axes, image_options);
+    return static_cast<double>(image.shown()) * side >= static_cast<double>(options.landscape_cover) * other;
+}
+
+void add_studio(Scene& scene, const SurroundingsOptions& options)
+{
+    const auto environment = studio_environment();
+    int number = 0;
+    for (const EnvironmentLight& part : environment->lights(options.lights)) {
+        Light light;
+        light.name = fmt::format("studio {}", number++);
+        light.type = LightType::directional;
+        light.color = part.irradiance;
+        light.of_environment = true;
+        light.by_default = true;
+        const glm::dvec3 direction(-part.to_light);
+        const glm::dvec3 up = std::abs(direction.y) > 0.99 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);
+        light.node = scene.add_node(light.name, none, glm::inverse(glm::lookAt(glm::dvec3(0), direction, up)));
+        scene.lights.push_back(light);
+    }
+    scene.background = {};
+    scene.background.kind = Background::Kind::image;
+    scene.background.environment = environment;
+    scene.finish();
+}
+
+}   // namespace
+
+float share_reached(const Scene& scene)
+{
+    if (scene.lights.empty() || scene.cameras.empty()) return 0;
+    const SceneState state = state_at_start(scene);
+    const SpaceGrid grid(scene, scene.timeline.start);
+    if (grid.empty()) return 0;
+    const Camera& camera = scene.cameras.front();
+    const TestImage image = test_image_of(state, camera, state.world(camera.node));
+    const auto reaches = [&](std::size_t l, const glm::vec3& point, const glm::vec3& normal) {
+        const LightState& at = state.light(static_cast<LightId>(l));
+        const LightSample sample = illuminate(scene.lights[l], at, point);
+        if (!at.visible || sample.irradiance == glm::vec3(0) || !(glm::dot(sample.to_light, normal) > 0)) return false;
+        // Grid cells at both ends are filled by the surfaces themselves.
+        const SpaceGrid::Hit hit = grid.cast(point + 2.0f * grid.cell() * normal, sample.to_light);
+        return hit.met == SpaceGrid::Met::nothing || hit.distance > sample.distance - 2 * grid.cell();
+    };
+    std::size_t asked = 0, reached = 0;
+    for (const TestPixel& pixel : image.pixels) {
+        if (pixel.object == none) continue;
+        const Mesh& mesh = scene.meshes[scene.objects[pixel.object].mesh];
+        const Material& material = scene.materials[mesh.part_of(pixel.triangle).material];
+        ++asked;
+        // Unlit surfaces need no light.
+        bool lit = material.model == ShadingModel::unlit;
+        for (std::size_t l = 0; l < scene.lights.size() && !lit; ++l) lit = reaches(l, pixel.position, pixel.normal);
+        reached += lit;
+    }
+    return asked > 0 ? static_cast<float>(reached) / static_cast<float>(asked) : 0;
+}
+
+void add_ground(Scene& scene, const char* name)
+{
+    const Framed framed = frame_clip(scene, {});
+    if (scene.objects.empty()) return;
+    const glm::dvec3 middle(framed.box.centre());
+    const double radius = k_ground_radius * framed.size;
+    Material material;
+    material.name = name;
+    material.base_color = k_ground_color;
+    material.roughness = 1;
+    material.catches_shadows = true;
+    Mesh mesh;
+    mesh.name = material.name;
+    mesh.positions.emplace_back(0);
+    for (int i = 0; i < k_ground_corners; ++i) {
+        const double angle = 2 * k_pi * i / k_ground_corners;
+        mesh.positions.emplace_back(radius * std::cos(angle), 0, -radius * std::sin(angle));
+        mesh.triangles.emplace_back(0, 1 + i, 1 + (i + 1) % k_ground_corners);
+    }
+    mesh.parts = {{static_cast<MaterialId>(scene.materials.size()), 0, static_cast<std::uint32_t>(k_ground_corners)}};
+    const glm::dvec3 place(middle.x, static_cast<double>(framed.box.low.y) - k_ground_below * framed.size, middle.z);
+    const NodeId node = scene.add_node(material.name, none, glm::translate(glm::dmat4(1), place));
+    scene.nodes[node].mesh = static_cast<MeshId>(scene.meshes.size());
+    scene.nodes[node].by_default = true;
+    scene.materials.push_back(std::move(material));
+    scene.meshes.push_back(std::move(mesh));
+    scene.finish();
+}
+
+void add_surroundings(Scene& scene, const SurroundingsOptions& options)
+{
+    GNOMON_CHECK(!scene.child_begin.empty());   // after finish()
+    const bool has_own = !scene.lights.empty();
+    bool ground = options.ground.value_or(false);
+    if (!(has_own && share_reached(scene) >= options.enough_reached)) {
+        const char* const why =
+            has_own ? "no light in the scene reaches half of what is in view" : "no light in the scene";
+        const SceneState state = state_at_start(scene);
+        const auto room = believed_interior(state);
+        if (room && !room->stage) {
+            add_light_of_place(scene, *room, why);
+        } else if (is_landscape(state, options)) {
+            add_sky_and_sun(scene, nullptr, why);
+        } else {
+            add_studio(scene, options);
+            ground = options.ground.value_or(!room && !scene.objects.empty());
+            scene.warnings.push_back(fmt::format("{}: added a studio{}", why, ground ? " and a ground" : ""));
+        }
+    }
+    if (ground) add_ground(scene, options.ground ? k_wanted_ground : k_default_ground);
+}
+
+}   // namespace gnomon::scene
