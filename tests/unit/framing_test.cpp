@@ -87,7 +87,9 @@ TEST(Framing, SceneStaysInTheImageAndFillsItAtAllTimes)
             }
             EXPECT_LE(std::max(most.x, most.y), 1.0) << seed << " " << aspect;
             // In a wide image, the nearest point may keep the camera away.
-            if (aspect < 2) EXPECT_NEAR(std::max(most.x, most.y), 1 / options.margin, 1e-3) << seed << " " << aspect;
+            if (aspect < 2) {
+                EXPECT_NEAR(std::max(most.x, most.y), 1 / options.margin, 1e-3) << seed << " " << aspect;
+            }
         }
         EXPECT_GT(framed.size, 0);
     }
