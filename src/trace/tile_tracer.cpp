@@ -200,16 +200,26 @@ void TileTracer::trace_queue(const PathQueue& queue)
 }
 
 // Orders hits by object, and those of an object as in the queue. Neighbours in the shadow queues then start on the same
-// surface, and materials and textures are used in runs.
+// surface, and materials and textures are used in runs. Objects come in the order in which the queue first hits them,
+// because paths of one pixel add up in this order, and objects' numbers depend on the history of a host's scene.
 void TileTracer::sort_hits(std::size_t count)
 {
     order_.resize(count);
     bool sorted = true;
     for (std::size_t i = 0; i < count; ++i) {
-        order_[i] = (static_cast<std::uint64_t>(hits_.object[i]) << 32) | i;
+        const scene::ObjectId object = hits_.object[i];
+        std::uint64_t rank = object;
+        if (object != scene::none) {
+            if (object >= first_hits_.size()) first_hits_.resize(object + 1, scene::none);
+            if (first_hits_[object] == scene::none) first_hits_[object] = static_cast<std::uint32_t>(i);
+            rank = first_hits_[object];
+        }
+        order_[i] = rank << 32 | i;
         sorted = sorted && (i == 0 || order_[i - 1] < order_[i]);
     }
     if (!sorted) std::sort(order_.begin(), order_.end());
+    for (std::size_t i = 0; i < count; ++i)
+        if (hits_.object[i] != scene::none) first_hits_[hits_.object[i]] = scene::none;
 }
 
 void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <tuple>
 #include <utility>
 
 #include "base/check.h"
@@ -142,11 +143,16 @@ void RayScene::let_through(const RayQueue& rays, std::size_t begin, std::size_t 
             if (tree == &in.moving && in.solid_of_instance.empty()) break;
             hits.clear();
             thin_packet(in.width, tree->get(), context, rays, at, count);
-            // Multiply in the order of the surfaces' numbers, each once.
+            // Each surface counts once. Multiply in the order of the factors: surfaces' numbers depend on the history
+            // of a host's scene.
             std::sort(hits.begin(), hits.end(),
                       [](const ThinHit& a, const ThinHit& b) { return a.place() < b.place(); });
             const auto past = std::unique(hits.begin(), hits.end(),
                                           [](const ThinHit& a, const ThinHit& b) { return a.place() == b.place(); });
+            std::sort(hits.begin(), past, [](const ThinHit& a, const ThinHit& b) {
+                return std::tie(a.ray, a.passes.x, a.passes.y, a.passes.z) <
+                       std::tie(b.ray, b.passes.x, b.passes.y, b.passes.z);
+            });
             for (auto hit = hits.begin(); hit != past; ++hit) to[at - begin + hit->ray] *= hit->passes;
         }
     }
