@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// LONG: all techniques add to one tile, and the queues between them are its own.
 #include "trace/tile_tracer.h"
 
 #include <algorithm>

@@ -39,6 +39,7 @@ BothRays trace_both(const std::string& name, int frame, int max_depth, Size size
 
     trace::TracedOptions options;
     options.max_depth = max_depth;
+    options.lobe_rays = 0;   // the benchmark follows mirrored rays alone
     shading::FrameBuffers buffers;
     trace::TraceLog log;
     Tasks one(1);

@@ -120,6 +120,7 @@ TEST(PaperFrame, MarksEveryWrongPixel)
     Tasks tasks(2);
     trace::TracedOptions options;
     options.samples = 2;
+    options.lobe_rays = 0;   // pixels share what the rays of their lobes find
     std::uint64_t wrong_pixels = 0, behind = 0;
     for (int frame = 50; frame < 55; ++frame) {
         state.advance(scene->timeline.time_of(frame));
