@@ -107,9 +107,12 @@ void CentreLayers::trace_block(Block& block, bool ids, bool motion, shading::Fra
         if (ids) {
             std::uint32_t* to = out.ids.pixel(pixel.x, pixel.y);
             to[0] = to[1] = 0;
-            if (object != scene::none) {
+            // A surface that catches shadows shows the background, and counts as it.
+            const scene::MaterialId material =
+                object == scene::none ? scene::none : material_of(state_.scene(), object, hits.triangle[i]);
+            if (material != scene::none && !state_.scene().materials[material].catches_shadows) {
                 to[0] = layer_id(state_.scene().objects[object].node);
-                to[1] = layer_id(material_of(state_.scene(), object, hits.triangle[i]));
+                to[1] = layer_id(material);
             }
         }
         if (motion) {
@@ -152,6 +155,7 @@ ViewHit CentreLayers::hit_at(const glm::ivec2& pixel) const
     if (hit.object == scene::none) return hit;
     hit.triangle = block.hits.triangle[i];
     hit.material = material_of(state_.scene(), hit.object, hit.triangle);
+    if (state_.scene().materials[hit.material].catches_shadows) return {};
     hit.u = block.hits.u[i], hit.v = block.hits.v[i];
     hit.distance = block.hits.t[i];
     hit.direction = block.rays.direction(i);

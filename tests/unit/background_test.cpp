@@ -53,6 +53,27 @@ TEST(Background, GroundShowsTheStudioWhereNothingHidesIt)
     for (int x = 0; x < 96; x += 5) EXPECT_EQ(a.value(x, 0, 0), b.value(x, 0, 0));
 }
 
+TEST(Background, GroundHasNoId)
+{
+    const test::ScratchFolder scratch;
+    RenderOptions options = small(BackgroundKind::environment);
+    options.ids = true;
+    Renderer with(options), without(options);
+    const Frame ground = with.render(cube(scratch), 1), bare = without.render(cube(scratch, false), 1);
+    const Layer &a = *ground.layer("id"), &b = *bare.layer("id");
+    int cube_pixels = 0;
+    for (int y = 0; y < 96; ++y)
+        for (int x = 0; x < 96; ++x) {
+            EXPECT_EQ(a.id(x, y), b.id(x, y));
+            cube_pixels += a.id(x, y) != 0;
+        }
+    EXPECT_GT(cube_pixels, 500);
+    EXPECT_EQ(a.id(0, 95), 0u);
+    // The lower corner shows the ground.
+    EXPECT_FALSE(with.pick(0, 95).hit);
+    EXPECT_TRUE(with.pick(48, 48).hit);
+}
+
 TEST(Background, TransparentKeepsTheSceneAndItsShadowsAlone)
 {
     const test::ScratchFolder scratch;
