@@ -86,6 +86,7 @@ struct CellVisibility::Query {
 
     std::size_t count() const { return asked.size(); }
     const ShadowPoint& point(std::size_t k) const { return points[asked[k]]; }
+    bool coarse(std::size_t k) const { return !guides.empty() && guides[k].coarse; }
     int pass(std::size_t k) const { return guides.empty() ? 0 : guides[k].pass; }
     std::span<std::uint64_t> of(std::vector<std::uint64_t>& masks, std::size_t k) const
     {
@@ -206,6 +207,10 @@ void CellVisibility::decide(const Query& query, int pass) const
         if (query.pass(k) != pass) continue;
         const auto wanted = query.of(scratch.wanted, k), following = query.of(scratch.following, k),
                    above = query.of(scratch.above, k);
+        if (by_families && query.coarse(k)) {
+            for (std::size_t w = 0; w < words; ++w) wanted[w] &= cells_.stand_ins()[w];
+            continue;
+        }
         for (const LeafGroup& group : cells_.groups()) {
             // If one of its leaves is wanted, all scouts are.
             bool any = false;
@@ -223,10 +228,29 @@ void CellVisibility::decide(const Query& query, int pass) const
     decide_wanted(query, pass);
     for (std::size_t k = 0; k < query.count(); ++k) {
         if (query.pass(k) != pass) continue;
+        if (by_families && query.coarse(k)) {
+            follow_stand_ins(query, k);
+            continue;
+        }
         follow_groups(query, k);
         if (by_families) follow_families(query, k);
     }
     decide_wanted(query, pass);
+}
+
+// Takes each cell to be as the one that stands in for it, and wants it where that lies below the surface.
+void CellVisibility::follow_stand_ins(const Query& query, std::size_t k) const
+{
+    const auto above = query.of(query.scratch.above, k), wanted = query.of(query.scratch.wanted, k);
+    const auto mask = query.seen.of(k);
+    for_each_bit(above, [&](std::size_t leaf) {
+        const std::size_t stand_in = cells_.stand_in_of(leaf);
+        const std::uint64_t bit = std::uint64_t{1} << (leaf % 64);
+        if (!has(above, stand_in))
+            wanted[leaf / 64] |= bit;
+        else
+            mask[leaf / 64] = has(mask, stand_in) ? mask[leaf / 64] | bit : mask[leaf / 64] & ~bit;
+    });
 }
 
 // Takes the followers of a group to be as its scouts if these agree, else wants them.

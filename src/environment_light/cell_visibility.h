@@ -14,7 +14,7 @@
 // Where points of a smooth surface lie close together, as in an image, most cells are visible from all of them, or from
 // none. A point may therefore have guides around it: rays then go to those cells alone on which the guides do not
 // agree, and to a few others as probes. A cell that a probe finds to be otherwise is traced from all points of the
-// block. Of a sun, rays go to its rim first (LeafGroup).
+// block. Of a sun, rays go to its rim first (LeafGroup). Where a coarse answer will do, a few cells stand in for all.
 //
 // The answer to a point does not depend on what was proven or remembered, nor on the order of questions, but on its
 // guides.
@@ -54,6 +54,7 @@ struct Guides {
     std::uint8_t pass = 0;                   // 0: none; its guides have a lower number
     std::uint32_t block = 0;    // points among the same guides have the same number, other passes other numbers
     std::uint32_t number = 0;   // of the point within the block
+    bool coarse = false;        // without guides: rays go to stand-ins (DirectionCells::stand_ins()) alone
 };
 
 /// The static scene and the boxes of what moves; shared by several sets of cells.
@@ -132,6 +133,7 @@ class CellVisibility {
     void decide_alone(const Query& query) const;
     void decide_guided(const Query& query, int pass) const;
     void decide(const Query& query, int pass) const;
+    void follow_stand_ins(const Query& query, std::size_t k) const;
     void follow_groups(const Query& query, std::size_t k) const;
     void follow_families(const Query& query, std::size_t k) const;
     void follow(const Query& query, std::size_t k, std::size_t leaf, bool some_seen, bool some_hidden) const;

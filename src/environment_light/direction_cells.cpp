@@ -464,6 +464,8 @@ void DirectionCells::add_families(std::uint32_t begin, std::uint32_t end)
 {
     constexpr double k_same = 1e-12;   // squared distance of corners
     family_of_.resize(leaves());
+    stand_ins_.assign(words(), 0);
+    stand_in_of_.resize(leaves());
     for (std::uint32_t n = begin; n < end; ++n) {
         const DirectionNode& node = nodes_[n];
         CellFamily family{node.first_leaf, node.leaves, node.first_leaf, {}};
@@ -489,6 +491,26 @@ void DirectionCells::add_families(std::uint32_t begin, std::uint32_t end)
         for (std::uint32_t leaf = family.first; divided_once && leaf < family.first + family.leaves; ++leaf)
             if (leaf != family.scout) family_followers_[leaf / 64] |= std::uint64_t{1} << (leaf % 64);
         families_.push_back(family);
+        add_stand_ins(node, family.scout, divided_once);
+    }
+}
+
+// Chooses the leaf that stands in for each leaf of a family: its scout, or the leaf next to the middle of the leaf's
+// own quarter where these were divided further.
+void DirectionCells::add_stand_ins(const DirectionNode& family, std::uint32_t scout, bool divided_once)
+{
+    const auto set = [&](const DirectionNode& node, std::uint32_t stand_in) {
+        for (std::uint32_t leaf = node.first_leaf; leaf < node.first_leaf + node.leaves; ++leaf)
+            stand_in_of_[leaf] = static_cast<std::uint16_t>(stand_in);
+        stand_ins_[stand_in / 64] |= std::uint64_t{1} << (stand_in % 64);
+    };
+    if (divided_once) return set(family, scout);
+    for (std::uint32_t q = 0; q < family.count; ++q) {
+        const DirectionNode& quarter = nodes_[family.children + q];
+        std::uint32_t middle = quarter.first_leaf;
+        for (std::uint32_t leaf = middle; leaf < quarter.first_leaf + quarter.leaves; ++leaf)
+            if (glm::dot(quarter.axis, directions_[leaf]) > glm::dot(quarter.axis, directions_[middle])) middle = leaf;
+        set(quarter, middle);
     }
 }
 

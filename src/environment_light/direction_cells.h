@@ -100,6 +100,11 @@ class DirectionCells {
     std::span<const CellFamily> families() const { return families_; }
     /// Leaves of families that are not scouts, as a mask. Those of families that were divided further are none.
     const std::vector<std::uint64_t>& family_followers() const { return family_followers_; }
+    /// Leaves that stand in for others where a coarse answer will do, as a mask: one of each family, and of each of its
+    /// quarters where these were divided further. Without families, empty.
+    const std::vector<std::uint64_t>& stand_ins() const { return stand_ins_; }
+    /// The leaf that stands in for a leaf. @pre families() is not empty
+    std::size_t stand_in_of(std::size_t leaf) const { return stand_in_of_[leaf]; }
     /// Adds the leaves in and next to the family of a leaf to a mask; without families, all.
     void add_around(std::size_t leaf, std::span<std::uint64_t> mask) const;
     /// Another set whose leaves are the same directions, whatever light they bring.
@@ -112,6 +117,7 @@ class DirectionCells {
     void add_cones();
     void add_group(std::uint32_t first, std::uint32_t leaves);
     void add_families(std::uint32_t begin, std::uint32_t end);
+    void add_stand_ins(const DirectionNode& family, std::uint32_t scout, bool divided_once);
 
     std::vector<DirectionNode> nodes_;
     std::size_t roots_ = 0;
@@ -123,6 +129,8 @@ class DirectionCells {
     std::vector<CellFamily> families_;
     std::vector<std::uint64_t> family_followers_;
     std::vector<std::uint16_t> family_of_;   // by leaf
+    std::vector<std::uint64_t> stand_ins_;
+    std::vector<std::uint16_t> stand_in_of_;   // by leaf
     glm::vec3 total_{0};
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 
 #include "base/interruption.h"
 #include "shading/glossy.h"
@@ -78,16 +79,17 @@ bool EnvironmentLighting::has_sun(scene::LightId light) const
 
 // Gives the points between those of a lattice of pixels these as guides, where they are of one surface: first those of
 // a lattice that is half as wide, then all others these.
-void EnvironmentLighting::find_guides(const PointBatch& batch)
+// @param points  indices in the batch
+void EnvironmentLighting::find_guides(const PointBatch& batch, std::span<const std::uint32_t> points)
 {
     const Tile& tile = batch.tile;
     const auto side = static_cast<std::uint32_t>(tile.side);
     constexpr auto k_nobody = 0xffffffffu;
     asked_of_pixel_.assign(std::size_t{side} * side, k_nobody);
-    for (std::uint32_t k = 0; k < asked_.size(); ++k) asked_of_pixel_[batch.points[asked_[k]].pixel] = k;
-    guides_.assign(asked_.size(), {});
-    for (std::uint32_t k = 0; k < asked_.size(); ++k) {
-        const TilePoint& point = batch.points[asked_[k]];
+    for (std::uint32_t k = 0; k < points.size(); ++k) asked_of_pixel_[batch.points[points[k]].pixel] = k;
+    guides_.assign(points.size(), {});
+    for (std::uint32_t k = 0; k < points.size(); ++k) {
+        const TilePoint& point = batch.points[points[k]];
         const auto x = static_cast<int>(point.pixel % side), y = static_cast<int>(point.pixel / side);
         const auto on = [&](int step) {
             return (x % step == 0 || x == tile.width - 1) && (y % step == 0 || y == tile.height - 1);
@@ -108,8 +110,8 @@ void EnvironmentLighting::find_guides(const PointBatch& batch)
             const std::uint32_t guide =
                 asked_of_pixel_[static_cast<std::uint32_t>(gy) * side + static_cast<std::uint32_t>(gx)];
             if (guide == k_nobody ||
-                batch.shadow_points[asked_[guide]].object != batch.shadow_points[asked_[k]].object ||
-                !continue_each_other(point, batch.points[asked_[guide]]))
+                batch.shadow_points[points[guide]].object != batch.shadow_points[points[k]].object ||
+                !continue_each_other(point, batch.points[points[guide]]))
                 continue;
             guides.corner[found++] = guide;
         }
@@ -134,13 +136,17 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
     }
     if (asked_.empty()) return;
     const environment_light::EnvironmentLight& light = technique_.light();
-    find_guides(batch);
-    light.visibility().find(scratch_, batch.shadow_points, asked_, guides_, &technique_.memory(tile), seen_);
+    places_.find(batch, asked_);
+    find_guides(batch, places_.own_points());
+    guides_.resize(places_.places().size(), {.coarse = true});   // shared places have none
+    asked_places_.resize(places_.places().size());
+    std::iota(asked_places_.begin(), asked_places_.end(), 0u);
+    light.visibility().find(scratch_, places_.places(), asked_places_, guides_, &technique_.memory(tile), seen_);
 
     for (std::size_t k = 0; k < asked_.size(); ++k) {
         const TilePoint& point = batch.points[asked_[k]];
         const shading::SurfacePoint& s = point.surface;
-        const std::span<const std::uint64_t> seen = seen_.of(k);
+        const std::span<const std::uint64_t> seen = seen_.of(places_.place_of(k));
         glm::vec3 radiance(0);
         const float highlight = highlight_share(s);
         const glm::vec3 albedo = highlight > 0 ? shading::glossy_albedo(s) : glm::vec3(0);
@@ -191,7 +197,7 @@ void EnvironmentLighting::light_by_suns(
         if (technique_.every_ray())
             guides_.clear();
         else
-            find_guides(batch);
+            find_guides(batch, asked_);
         sun.visibility->find(scratch_, batch.shadow_points, asked_, guides_,
                              technique_.every_ray() ? nullptr : &technique_.memory(tile, static_cast<int>(i)), seen_);
         for (std::size_t k = 0; k < asked_.size(); ++k) {

@@ -5,7 +5,8 @@
 //
 // Diffuse: the irradiance from all visible directions. Glossy: as with other lights with size (sized_lighting.h), a
 // smooth surface shows the image in the ray that it reflects; the lobe of a rough one sees it blurred, times the
-// visible share, and its reflected ray does not see it; in between, both are blended by roughness.
+// visible share, and its reflected ray does not see it; in between, both are blended by roughness. Points that rays of
+// lobes meet share places (shared_places.h).
 //
 // Of a sun, a point reflects the light of its middle times the visible share; its highlight is wider by the disc.
 
@@ -16,6 +17,7 @@
 #include "environment_light/environment_light.h"
 #include "trace/passing_light.h"
 #include "trace/point_batch.h"
+#include "trace/shared_places.h"
 
 namespace gnomon::trace {
 
@@ -57,7 +59,7 @@ class EnvironmentTechnique {
 class EnvironmentLighting {
  public:
     EnvironmentLighting(EnvironmentTechnique& technique, const ray::RayScene& rays)
-        : technique_(technique), passing_(rays)
+        : technique_(technique), passing_(rays), places_(rays)
     {
     }
     /// Calls add(point, radiance) with the light reflected at points of the batch towards the viewer, throughput left
@@ -75,14 +77,16 @@ class EnvironmentLighting {
     const environment_light::VisibilityCounters& counters() const { return scratch_.counters; }
 
  private:
-    void find_guides(const PointBatch& batch);
+    void find_guides(const PointBatch& batch, std::span<const std::uint32_t> points);
 
     EnvironmentTechnique& technique_;
     PassingLight passing_;
+    SharedPlaces places_;
     environment_light::CellVisibility::Scratch scratch_;
     environment_light::SeenCells seen_;
     std::vector<std::uint32_t> asked_;                // points that could reflect light
-    std::vector<environment_light::Guides> guides_;   // by asked point; empty: none has any
+    std::vector<std::uint32_t> asked_places_;         // all places
+    std::vector<environment_light::Guides> guides_;   // by asked place or point; empty: none has any
     std::vector<std::uint32_t> asked_of_pixel_;
 };
 

@@ -2,6 +2,7 @@
 // Cells of directions, their light in closed form, and proofs of their visibility among random triangles.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <functional>
 
 #include "environment_light/cell_light.h"
@@ -370,6 +371,66 @@ TEST(CellVisibility, IsThatOfRays)
     }
     EXPECT_LT(wrong_by_families, cells_asked / 50);
     EXPECT_LT(3 * rays[1], 2 * rays[0]);
+}
+
+// A coarse answer is that of the cells that stand in for others, whatever was proven and remembered: for a fraction of
+// the rays, even where an image has a sun.
+TEST(CellVisibility, ACoarseAnswerIsThatOfStandIns)
+{
+    const scene::Environment sky = sunny();
+    const DirectionCells cells(sky);
+    std::size_t stand_ins = 0;
+    for (const std::uint64_t word : cells.stand_ins()) stand_ins += static_cast<std::size_t>(std::popcount(word));
+    EXPECT_GE(stand_ins, cells.families().size());
+    EXPECT_LE(stand_ins, 4 * cells.families().size());
+    for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
+        const std::size_t stand_in = cells.stand_in_of(leaf);
+        EXPECT_EQ(cells.stand_in_of(stand_in), stand_in);
+        EXPECT_GT(glm::dot(cells.direction(leaf), cells.direction(stand_in)), 0.9f);
+    }
+    std::array<std::uint64_t, 2> rays{};
+    std::size_t wrong = 0, others_wrong = 0, asked_cells = 0;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        World world(seed);
+        ProofOptions eager;
+        eager.first_asks = 2, eager.more_asks = 3;
+        const CellVisibility visibility(world.surroundings, cells, eager);
+        Random random(seed);
+        const std::vector<ShadowPoint> points = random_points(*world.scene, world.rays, random, 50);
+        const std::vector<std::uint32_t> asked = all_of(points);
+        const std::vector<Guides> coarse(points.size(), Guides{.coarse = true});
+        CellVisibility::Scratch scratch, fine_scratch;
+        SeenCells fine, first;
+        PointMemory memory;
+        for (int frame = 0; frame < 3; ++frame) {
+            memory.begin_frame();
+            SeenCells seen;
+            visibility.find(scratch, points, asked, coarse, frame == 2 ? nullptr : &memory, seen);
+            if (frame == 0) first = seen, rays[1] += scratch.counters.rays;
+            EXPECT_EQ(seen.masks, first.masks) << seed << " " << frame;
+        }
+        visibility.find(fine_scratch, points, asked, {}, nullptr, fine);
+        rays[0] += fine_scratch.counters.rays;
+        for (std::size_t k = 0; k < points.size(); ++k)
+            for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
+                const ShadowPoint& p = points[k];
+                const auto sees = [&](std::size_t l) {
+                    glm::vec3 d = cells.direction(l);
+                    if (glm::dot(d, p.normal) <= 1e-3f) d = glm::normalize(cells.mean(l));
+                    return !world.rays.occluded_single(p.origin, 0, d, k_infinity);
+                };
+                const auto above = [&](std::size_t l) { return glm::dot(cells.mean(l), p.normal) > 0; };
+                const std::size_t stand_in = cells.stand_in_of(leaf);
+                const bool expected = above(leaf) && sees(above(stand_in) ? stand_in : leaf);
+                const bool got = (first.of(k)[leaf / 64] >> (leaf % 64) & 1) != 0;
+                wrong += got != expected;
+                others_wrong += got != (above(leaf) && sees(leaf)), asked_cells += above(leaf);
+            }
+    }
+    EXPECT_EQ(wrong, 0u);
+    EXPECT_GT(others_wrong, 0u);
+    EXPECT_LT(others_wrong, asked_cells / 8);
+    EXPECT_LT(2 * rays[1], rays[0]);
 }
 
 // Proofs for one image serve another, and answers stay what they are.
