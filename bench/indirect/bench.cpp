@@ -56,10 +56,6 @@ double change_of(const glm::vec3& v)
 }
 
 // One-bounce light, and light from the sky.
-glm::vec3 light_of(const reference::IrradianceEstimate& e)
-{
-    return e.indirect + e.surroundings;
-}
 
 using Estimates = std::vector<reference::IrradianceEstimate>;
 
@@ -119,6 +115,13 @@ class Bench {
     }
 
  private:
+    // Whether an environment image lights the scene: its light without a bounce is direct light, which is left out.
+    bool has_image() const { return scene_->background.kind == scene::Background::Kind::image; }
+    glm::vec3 light_of(const reference::IrradianceEstimate& e) const
+    {
+        return has_image() ? e.indirect : e.indirect + e.surroundings;
+    }
+
     // Chooses frames spread over the range, each followed by another frame of it unless the range is a single frame.
     void choose_frames()
     {
@@ -137,9 +140,9 @@ class Bench {
     {
         reference::ReferenceOptions options;
         options.samples = spp, options.bounces = options_.bounces, options.seed = seed;
-        // Direct light is left out: that of emissive surfaces, too, which cached visibility starts bounces from. The
-        // sky's is part of what is measured.
-        options.surroundings = scene_->background.kind == scene::Background::Kind::sky;
+        // Direct light is left out: that of emissive surfaces and of an environment image, too, from which cached
+        // visibility starts bounces. The sky's is part of what is measured.
+        options.surroundings = has_image() || scene_->background.kind == scene::Background::Kind::sky;
         options.shining = true, options.shining_unbounced = false;
         const double step = 1.0 / static_cast<double>(4 * judged_.size() + (options_.images ? 1 : 0));
         const double from = step * references_++;
@@ -159,7 +162,7 @@ class Bench {
             j.grid = grid_of(image, world.rays, options_.grid);
             j.reference = reference(world, j.grid.points, k_seed, options_.spp);
             for (const reference::IrradianceEstimate& e : j.reference)
-                sum += sum_of(light_of(e)), error += square_of(e.error);
+                sum += sum_of(light_of(e)), error += square_of(has_image() ? e.indirect_error : e.error);
             result_.points += j.reference.size();
             if (const bool all_visible = std::all_of(options_.methods.begin(), options_.methods.end(),
                                                      [](const IndirectMethodInfo& m) { return m.visible; });

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // render --reference and bench indirect, from the command line.
+#include <fstream>
+
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -74,7 +76,8 @@ TEST(ReferenceImage, RefusesContradictingOptions)
     for (const char* option : {"--spp", "--seed"})
         expect_failure(run(reference(folder / "p.png", {option, "3"})), 2, "needs --reference");
     expect_failure(run(reference(folder / "p.png", {"--reference", "--spp", "0"})), 2, "spp");
-    expect_failure(run(reference(folder / "p.png", {"--indirect", "quadtree", "--bounces", "2"})), 2, "--bounces needs");
+    expect_failure(run(reference(folder / "p.png", {"--indirect", "quadtree", "--bounces", "2"})), 2,
+                   "--bounces needs");
     expect_failure(run(reference(folder / "p.png", {"--bounces", "many"})), 2, "all or a whole number");
 }
 
@@ -113,6 +116,21 @@ TEST(BenchIndirect, KeysOfDocument)
     same_as_before(bench());
     for (const std::string& name : names_in(kept)) std::filesystem::resize_file(kept / name, 40);
     same_as_before(bench());
+}
+
+// An open box in the studio: the reference bounces the image's own light, as the method does, and leaves its direct
+// light out. Held against the lights that approximate the image, the energy was 1.16.
+TEST(BenchIndirect, AnImagesLightIsHeldAgainstTheImage)
+{
+    const ScratchFolder folder;
+    const std::string box = folder / "box.obj";
+    std::ofstream(box) << "v -1 0 -1\nv 1 0 -1\nv 1 2 -1\nv -1 2 -1\nv -1 0 1\nv 1 0 1\nv 1 2 1\nv -1 2 1\n"
+                          "f 1 2 3 4\nf 1 4 8 5\nf 2 6 7 3\nf 1 5 6 2\nf 4 3 7 8\n";
+    const Outcome outcome = run({"bench", "indirect", box, "--frames", "1-1", "--judged", "1", "--size", "96x96",
+                                 "--spp", "256", "--bounces", "1", "--threads", "2", "--json"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json row = outcome.json()["rows"][0];
+    EXPECT_NEAR(row["energy_ratio"].get<double>(), 1, 0.05);
 }
 
 TEST(BenchIndirect, RefusesUnknownMethods)
