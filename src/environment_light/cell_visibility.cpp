@@ -32,6 +32,17 @@ bool has(std::span<const std::uint64_t> mask, std::size_t leaf)
     return (mask[leaf / 64] >> (leaf % 64) & 1) != 0;
 }
 
+// Calls body(word, bits) for the words of a mask with some leaves in a row.
+template <class Body>
+void for_each_word(std::size_t first, std::size_t count, const Body& body)
+{
+    for (std::size_t at = first; at < first + count;) {
+        const std::size_t bits = std::min(64 - at % 64, first + count - at);
+        body(at / 64, (bits < 64 ? (std::uint64_t{1} << bits) - 1 : ~std::uint64_t{0}) << (at % 64));
+        at += bits;
+    }
+}
+
 }   // namespace
 
 void VisibilityCounters::add(const VisibilityCounters& other)
@@ -262,41 +273,46 @@ void CellVisibility::follow_groups(const Query& query, std::size_t k) const
         bool some_seen = false, some_hidden = false;
         for (const std::uint32_t leaf : group.scouts)
             if (has(above, leaf)) (has(mask, leaf) ? some_seen : some_hidden) = true;
-        for (std::size_t leaf = group.first; leaf < group.first + group.leaves; ++leaf)
-            follow(query, k, leaf, some_seen, some_hidden);
+        follow(query, k, group.first, group.leaves, some_seen, some_hidden);
     }
 }
 
-// The same for families: the scouts of neighbours count, too.
+// The same for families: the middle scouts of neighbours count, too.
 void CellVisibility::follow_families(const Query& query, std::size_t k) const
 {
-    const auto above = query.of(query.scratch.above, k);
+    const auto above = query.of(query.scratch.above, k), following = query.of(query.scratch.following, k);
     const auto mask = query.seen.of(k);
     const std::span<const CellFamily> families = cells_.families();
     for (const CellFamily& family : families) {
+        bool any = false;
+        for_each_word(family.first, family.leaves,
+                      [&](std::size_t w, std::uint64_t bits) { any = any || (following[w] & bits) != 0; });
+        if (!any) continue;
         bool some_seen = false, some_hidden = false;
         const auto look_at = [&](std::uint32_t scout) {
             if (has(above, scout)) (has(mask, scout) ? some_seen : some_hidden) = true;
         };
-        if (has(above, family.scout)) {
-            look_at(family.scout);
+        for (const std::uint32_t scout : family.scouts) look_at(scout);
+        if (some_seen != some_hidden)
             for (const std::uint32_t n : family.neighbours) look_at(families[n].scout);
-        }
-        for (std::size_t leaf = family.first; leaf < family.first + family.leaves; ++leaf)
-            if (has(cells_.family_followers(), leaf)) follow(query, k, leaf, some_seen, some_hidden);
+        follow(query, k, family.first, family.leaves, some_seen, some_hidden);
     }
 }
 
-// Decides a leaf that follows scouts; where they disagree, or there are none, it is wanted.
-void CellVisibility::follow(const Query& query, std::size_t k, std::size_t leaf, bool some_seen, bool some_hidden) const
+// Decides those of some leaves in a row that follow scouts; where these disagree, or there are none, they are wanted.
+void CellVisibility::follow(const Query& query, std::size_t k, std::size_t first, std::size_t leaves, bool some_seen,
+                            bool some_hidden) const
 {
-    if (!has(query.of(query.scratch.following, k), leaf)) return;
-    const std::uint64_t bit = std::uint64_t{1} << (leaf % 64);
-    std::uint64_t& seen = query.seen.of(k)[leaf / 64];
-    if (some_seen == some_hidden)
-        query.of(query.scratch.wanted, k)[leaf / 64] |= bit;
-    else
-        seen = some_seen ? seen | bit : seen & ~bit;
+    const auto following = query.of(query.scratch.following, k), wanted = query.of(query.scratch.wanted, k);
+    const auto mask = query.seen.of(k);
+    for_each_word(first, leaves, [&](std::size_t w, std::uint64_t bits) {
+        bits &= following[w];
+        if (some_seen == some_hidden)
+            wanted[w] |= bits;
+        else
+            mask[w] = some_seen ? mask[w] | bits : mask[w] & ~bits;
+        following[w] &= ~bits;
+    });
 }
 
 // Decides the cells of points with guides. What guides agree on is taken even where it is proven or remembered to be

@@ -136,7 +136,8 @@ class CellVisibility {
     void follow_stand_ins(const Query& query, std::size_t k) const;
     void follow_groups(const Query& query, std::size_t k) const;
     void follow_families(const Query& query, std::size_t k) const;
-    void follow(const Query& query, std::size_t k, std::size_t leaf, bool some_seen, bool some_hidden) const;
+    void follow(const Query& query, std::size_t k, std::size_t first, std::size_t leaves, bool some_seen,
+                bool some_hidden) const;
     void test_dynamic(const Query& query) const;
     void decide_wanted(const Query& query, int pass) const;
     void push_rays(const Query& query, std::span<const std::uint32_t> block) const;

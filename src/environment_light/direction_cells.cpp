@@ -12,9 +12,10 @@ namespace gnomon::environment_light {
 
 namespace {
 
-constexpr int k_sample_rows = 512;       // of the grid of samples over an image; twice as many columns
-constexpr int k_finest_rows = 1024;      // larger images are averaged down to less than twice as many
-constexpr int k_quadrature_levels = 4;   // of the samples in a cell that is divided further
+constexpr int k_sample_rows = 512;            // of the grid of samples over an image; twice as many columns
+constexpr int k_finest_rows = 1024;           // larger images are averaged down to less than twice as many
+constexpr int k_quadrature_levels = 4;        // of the samples in a cell that is divided further
+constexpr std::uint32_t k_least_group = 64;   // leaves of a cell of the least level
 constexpr double k_root_of_golden = 1.32471795724474602596;   // of the R2 sequence [Roberts 2018]
 
 using Corners = std::array<glm::dvec3, 3>;
@@ -339,7 +340,6 @@ DirectionCells::DirectionCells(const scene::Environment& environment, const Cell
                                           fraction(0.5 + index / (k_root_of_golden * k_root_of_golden))));
     }
     // Cells of the least level that were divided into many.
-    constexpr std::uint32_t k_least_group = 64;
     followers_.assign(words(), 0);
     std::uint32_t level_begin = 0, level_end = static_cast<std::uint32_t>(roots_);
     std::uint32_t families_begin = 0;
@@ -468,7 +468,7 @@ void DirectionCells::add_families(std::uint32_t begin, std::uint32_t end)
     stand_in_of_.resize(leaves());
     for (std::uint32_t n = begin; n < end; ++n) {
         const DirectionNode& node = nodes_[n];
-        CellFamily family{node.first_leaf, node.leaves, node.first_leaf, {}};
+        CellFamily family{node.first_leaf, node.leaves, node.first_leaf, {}, {}};
         const auto off = [&](std::uint32_t leaf) { return glm::dot(node.axis, directions_[leaf]); };
         for (std::uint32_t leaf = node.first_leaf; leaf < node.first_leaf + node.leaves; ++leaf) {
             if (off(leaf) > off(family.scout)) family.scout = leaf;
@@ -485,13 +485,51 @@ void DirectionCells::add_families(std::uint32_t begin, std::uint32_t end)
             if (shared == 2) family.neighbours[found++] = m - begin;
         }
         GNOMON_CHECK(found == family.neighbours.size());
+        const bool divided_once = family.leaves == node.count;
+        if (divided_once) {
+            family.scouts.push_back(family.scout);
+            add_followers(node, family.scout);
+        } else {
+            add_scouts(node, family);
+            // The one next to the middle.
+            if (!family.scouts.empty()) family.scout = *std::ranges::max_element(family.scouts, {}, off);
+        }
         // The first leaves of a group may be decided before others are.
         followers_[family.scout / 64] &= ~(std::uint64_t{1} << (family.scout % 64));
-        const bool divided_once = family.leaves == node.count;
-        for (std::uint32_t leaf = family.first; divided_once && leaf < family.first + family.leaves; ++leaf)
-            if (leaf != family.scout) family_followers_[leaf / 64] |= std::uint64_t{1} << (leaf % 64);
-        families_.push_back(family);
         add_stand_ins(node, family.scout, divided_once);
+        families_.push_back(std::move(family));
+    }
+}
+
+// Makes all leaves of a node followers but one.
+void DirectionCells::add_followers(const DirectionNode& node, std::uint32_t scout)
+{
+    for (std::uint32_t leaf = node.first_leaf; leaf < node.first_leaf + node.leaves; ++leaf)
+        if (leaf != scout) family_followers_[leaf / 64] |= std::uint64_t{1} << (leaf % 64);
+}
+
+// The leaf of a node whose direction is next to the node's middle.
+std::uint32_t DirectionCells::middle_of(const DirectionNode& node) const
+{
+    std::uint32_t middle = node.first_leaf;
+    for (std::uint32_t leaf = middle; leaf < node.first_leaf + node.leaves; ++leaf)
+        if (glm::dot(node.axis, directions_[leaf]) > glm::dot(node.axis, directions_[middle])) middle = leaf;
+    return middle;
+}
+
+// Adds the scouts of a family that was divided further: of four leaves of one cell, the one in the middle, and every
+// other leaf. Those of groups have scouts of their own.
+void DirectionCells::add_scouts(const DirectionNode& node, CellFamily& family)
+{
+    for (std::uint32_t q = 0; q < node.count; ++q) {
+        const DirectionNode& child = nodes_[node.children + q];
+        if (child.leaves >= k_least_group) continue;
+        if (child.leaves > 1 && child.leaves != child.count) {
+            add_scouts(child, family);
+            continue;
+        }
+        family.scouts.push_back(middle_of(child));
+        add_followers(child, family.scouts.back());
     }
 }
 
@@ -507,10 +545,7 @@ void DirectionCells::add_stand_ins(const DirectionNode& family, std::uint32_t sc
     if (divided_once) return set(family, scout);
     for (std::uint32_t q = 0; q < family.count; ++q) {
         const DirectionNode& quarter = nodes_[family.children + q];
-        std::uint32_t middle = quarter.first_leaf;
-        for (std::uint32_t leaf = middle; leaf < quarter.first_leaf + quarter.leaves; ++leaf)
-            if (glm::dot(quarter.axis, directions_[leaf]) > glm::dot(quarter.axis, directions_[middle])) middle = leaf;
-        set(quarter, middle);
+        set(quarter, middle_of(quarter));
     }
 }
 

@@ -47,9 +47,12 @@ struct LeafGroup {
 /// The cells that one cell of the level above the least was divided into.
 struct CellFamily {
     std::uint32_t first = 0, leaves = 0;
-    /// The leaf next to the middle. Where those of a family and of all its neighbours are visible from a point, or
-    /// none, the followers of the family are taken to be as they.
+    /// The leaf next to the middle.
     std::uint32_t scout = 0;
+    /// That leaf; or of a family that was divided further, one of every four leaves, and those that are in no such
+    /// four. Where the scouts of a family and the middle ones of all its neighbours are visible from a point, or none,
+    /// the followers of the family are taken to be as they.
+    std::vector<std::uint32_t> scouts;
     std::array<std::uint32_t, 3> neighbours{};   // families across the edges
 };
 
@@ -98,7 +101,7 @@ class DirectionCells {
     const std::vector<std::uint64_t>& followers() const { return followers_; }
     /// Of an image; a disc has none.
     std::span<const CellFamily> families() const { return families_; }
-    /// Leaves of families that are not scouts, as a mask. Those of families that were divided further are none.
+    /// Leaves of families that are not scouts, as a mask; leaves of groups are none.
     const std::vector<std::uint64_t>& family_followers() const { return family_followers_; }
     /// Leaves that stand in for others where a coarse answer will do, as a mask: one of each family, and of each of its
     /// quarters where these were divided further. Without families, empty.
@@ -117,6 +120,9 @@ class DirectionCells {
     void add_cones();
     void add_group(std::uint32_t first, std::uint32_t leaves);
     void add_families(std::uint32_t begin, std::uint32_t end);
+    void add_followers(const DirectionNode& node, std::uint32_t scout);
+    std::uint32_t middle_of(const DirectionNode& node) const;
+    void add_scouts(const DirectionNode& node, CellFamily& family);
     void add_stand_ins(const DirectionNode& family, std::uint32_t scout, bool divided_once);
 
     std::vector<DirectionNode> nodes_;

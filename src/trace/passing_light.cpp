@@ -2,6 +2,7 @@
 #include "trace/passing_light.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "ray/origin.h"
 
@@ -28,19 +29,17 @@ glm::vec3 PassingLight::from_cells(const shading::SurfacePoint& s, const glm::ve
                                    const environment_light::DirectionCells& cells, std::span<const std::uint64_t> seen)
 {
     if (!any_) return glm::vec3(1);
-    queue_.clear(), weight_.clear();
-    const auto counts = [&](std::size_t leaf) {
-        return (seen[leaf / 64] >> (leaf % 64) & 1) != 0 && glm::dot(cells.direction(leaf), s.normal) > 0;
-    };
-    std::size_t count = 0;
-    for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) count += counts(leaf);
-    const std::size_t step = std::max<std::size_t>(1, (count + k_rays - 1) / k_rays);
-    std::size_t number = 0;
-    for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
-        if (!counts(leaf) || number++ % step != step / 2) continue;
-        const glm::vec3 direction = cells.direction(leaf);
+    queue_.clear(), weight_.clear(), leaves_.clear();
+    for (std::size_t w = 0; w < seen.size(); ++w)
+        for (std::uint64_t word = seen[w]; word != 0; word &= word - 1) {
+            const std::size_t leaf = 64 * w + static_cast<std::size_t>(std::countr_zero(word));
+            if (glm::dot(cells.direction(leaf), s.normal) > 0) leaves_.push_back(static_cast<std::uint32_t>(leaf));
+        }
+    const std::size_t step = std::max<std::size_t>(1, (leaves_.size() + k_rays - 1) / k_rays);
+    for (std::size_t i = step / 2; i < leaves_.size(); i += step) {
+        const glm::vec3 direction = cells.direction(leaves_[i]);
         queue_.push(origin, 0, direction, k_infinity);
-        weight_.push_back(luminance(cells.flux(leaf)) * glm::dot(direction, s.normal));
+        weight_.push_back(luminance(cells.flux(leaves_[i])) * glm::dot(direction, s.normal));
     }
     return mean();
 }

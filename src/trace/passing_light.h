@@ -34,6 +34,7 @@ class PassingLight {
     const ray::RayScene& rays_;
     bool any_;
     ray::RayQueue queue_;
+    std::vector<std::uint32_t> leaves_;   // visible ones
     std::vector<float> weight_;
     std::vector<glm::vec3> passes_;
 };
