@@ -127,11 +127,16 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
                                 const std::function<void(const TilePoint&, const glm::vec3&)>& add)
 {
     interruption_point();
+    reflected_.assign(batch.points.size(), 0);
     asked_.clear();
     for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
         const shading::SurfacePoint& s = batch.points[p].surface;
         if (s.model == scene::ShadingModel::unlit) continue;
-        if (s.diffuse == glm::vec3(0) && !shading::has_glossy_lobe(s)) continue;
+        // A smooth surface shows the image in the rays that it reflects.
+        if (s.diffuse == glm::vec3(0) &&
+            (!shading::has_glossy_lobe(s) ||
+             (highlight_share(s) == 0 && batch.points[p].next.unresolved_weight == glm::vec3(0))))
+            continue;
         asked_.push_back(p);
     }
     if (asked_.empty()) return;
@@ -169,6 +174,7 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
                                                        seen);
         if (passing_.any() && radiance != glm::vec3(0))
             radiance *= passing_.from_cells(s, batch.shadow_points[asked_[k]].origin, light.visibility().cells(), seen);
+        reflected_[asked_[k]] = luminance(radiance);
         add(point, radiance);
     }
 }

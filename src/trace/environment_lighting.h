@@ -67,6 +67,8 @@ class EnvironmentLighting {
     /// @param tile  its number in the frame
     void light(const PointBatch& batch, std::size_t tile,
                const std::function<void(const TilePoint&, const glm::vec3&)>& add);
+    /// Of the last call of light(), by point of the batch: the luminance of the radiance that it added.
+    std::span<const float> reflected() const { return reflected_; }
     /// The same with the light of suns. Also gives the light and its visible share.
     void light_by_suns(const PointBatch& batch, std::size_t tile, const scene::SceneState& state,
                        const std::function<void(const TilePoint&, const glm::vec3&, scene::LightId, float)>& add);
@@ -84,6 +86,7 @@ class EnvironmentLighting {
     SharedPlaces places_;
     environment_light::CellVisibility::Scratch scratch_;
     environment_light::SeenCells seen_;
+    std::vector<float> reflected_;
     std::vector<std::uint32_t> asked_;                // points that could reflect light
     std::vector<std::uint32_t> asked_places_;         // all places
     std::vector<environment_light::Guides> guides_;   // by asked place or point; empty: none has any

@@ -23,7 +23,37 @@ float highlight_share(const shading::SurfacePoint& s)
     return t * t * (3 - 2 * t);
 }
 
-void SizedLighting::light(const PointBatch& batch, const std::function<void(const TilePoint&, const glm::vec3&)>& add)
+// What a point reflects of light that reaches it.
+glm::vec3 SizedLighting::reflected(const TilePoint& point, float highlight, const shading::UnshadowedLight& light) const
+{
+    const shading::SurfacePoint& s = point.surface;
+    glm::vec3 radiance(0);
+    if (highlight < 1)
+        radiance += (1 - highlight) * shading::reflect_irradiance(s, point.next, glm::vec3(0), light.irradiance);
+    if (highlight > 0) {
+        // What the lobe does not reflect reaches the diffuse layer.
+        const glm::vec3 below = glm::vec3(1) - shading::glossy_albedo(s);
+        radiance +=
+            highlight * (light.lobe + below * shading::reflect_irradiance(s, {}, glm::vec3(0), light.irradiance));
+    }
+    return radiance;
+}
+
+// Adds what a point reflects of the light that it sees.
+void SizedLighting::add_seen(const PointBatch& batch, const scene::SizedLight& light, const Asked& asked,
+                             shading::UnshadowedLight seen,
+                             const std::function<void(const TilePoint&, const glm::vec3&)>& add)
+{
+    const TilePoint& point = batch.points[asked.point];
+    if (passing_.any()) {
+        const glm::vec3 passes = passing_.from_light(point.surface, batch.shadow_points[asked.point].origin, light);
+        seen.irradiance *= passes, seen.lobe *= passes;
+    }
+    add(point, reflected(point, highlight_[asked.point], seen));
+}
+
+void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
+                          const std::function<void(const TilePoint&, const glm::vec3&)>& add)
 {
     visibility_->prepare(batch);
     highlight_.resize(batch.points.size());
@@ -33,51 +63,53 @@ void SizedLighting::light(const PointBatch& batch, const std::function<void(cons
         interruption_point();
         const scene::SizedLight& light = lights_.lights()[l];
         // Find the points that the light reaches if nothing occludes it.
-        asked_.clear(), arrives_.clear();
+        fine_.clear(), dim_.clear(), points_.clear(), few_.clear();
         for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
-            const shading::SurfacePoint& s = batch.points[p].surface;
+            const TilePoint& point = batch.points[p];
+            const shading::SurfacePoint& s = point.surface;
             const bool lobe = highlight_[p] > 0;
             if (s.model == scene::ShadingModel::unlit || (!lobe && s.diffuse == glm::vec3(0))) continue;
             const shading::UnshadowedLight arrives = shading::unshadowed(s, light, lobe);
             if (arrives.irradiance == glm::vec3(0) && arrives.lobe == glm::vec3(0)) continue;
-            asked_.push_back(p);
-            arrives_.push_back(arrives);
+            const std::size_t few =
+                image.empty() ? 0 : few_.count(l, point, luminance(reflected(point, highlight_[p], arrives)), image[p]);
+            if (few > 0) {
+                dim_.push_back({p, arrives});
+                few_.push(l, few, p, batch);
+            } else {
+                fine_.push_back({p, arrives});
+                points_.push_back(p);
+            }
         }
-        if (asked_.empty()) continue;
 
         // Find how much of it they see, and reflect that.
-        visibility_->find_visible(batch, l, asked_, visible_);
-        for (std::size_t k = 0; k < asked_.size(); ++k) {
+        if (!fine_.empty()) visibility_->find_visible(batch, l, points_, visible_);
+        for (std::size_t k = 0; k < fine_.size(); ++k) {
             if (visible_.answer[k] == SizedVisible::Answer::dark) continue;
-            const TilePoint& point = batch.points[asked_[k]];
-            const shading::SurfacePoint& s = point.surface;
-            const float highlight = highlight_[asked_[k]];
-            shading::UnshadowedLight light_here = arrives_[k];
+            shading::UnshadowedLight light_here = fine_[k].arrives;
+            const float highlight = highlight_[fine_[k].point];
             if (visible_.answer[k] == SizedVisible::Answer::partial) {
                 const bool known = visible_.share[k] >= 0;
                 if (!known || highlight > 0) {
-                    const shading::VisibleShare share = shading::visible_share(
-                        s, light, *visible_.places[k], visible_.seen_by(k), SizedVisible::k_whole, highlight > 0);
+                    const shading::VisibleShare share =
+                        shading::visible_share(batch.points[fine_[k].point].surface, light, *visible_.places[k],
+                                               visible_.seen_by(k), SizedVisible::k_whole, highlight > 0);
                     light_here.irradiance *= share.irradiance, light_here.lobe *= share.lobe;
                 } else {
                     light_here.irradiance *= visible_.share[k];
                 }
             }
-            if (passing_.any()) {
-                const glm::vec3 passes = passing_.from_light(s, batch.shadow_points[asked_[k]].origin, light);
-                light_here.irradiance *= passes, light_here.lobe *= passes;
-            }
-            glm::vec3 radiance(0);
-            if (highlight < 1)
-                radiance +=
-                    (1 - highlight) * shading::reflect_irradiance(s, point.next, glm::vec3(0), light_here.irradiance);
-            if (highlight > 0) {
-                // What the lobe does not reflect reaches the diffuse layer.
-                const glm::vec3 below = glm::vec3(1) - shading::glossy_albedo(s);
-                radiance += highlight * (light_here.lobe + below * shading::reflect_irradiance(s, {}, glm::vec3(0),
-                                                                                               light_here.irradiance));
-            }
-            add(point, radiance);
+            add_seen(batch, light, fine_[k], light_here, add);
+        }
+        few_.trace();
+        for (std::size_t k = 0; k < dim_.size(); ++k) {
+            shading::UnshadowedLight light_here = dim_[k].arrives;
+            const shading::VisibleShare share =
+                shading::visible_share(batch.points[dim_[k].point].surface, light, few_.places(k), few_.seen(k), 1,
+                                       highlight_[dim_[k].point] > 0);
+            light_here.irradiance *= share.irradiance, light_here.lobe *= share.lobe;
+            if (light_here.irradiance == glm::vec3(0) && light_here.lobe == glm::vec3(0)) continue;
+            add_seen(batch, light, dim_[k], light_here, add);
         }
     }
 }

@@ -3,7 +3,7 @@
 // Adds the direct light of lights with size to the points of the traced frame.
 //
 // For each light and point: the unshadowed contribution in closed form (shading/polygon_light.h), times the visible
-// share (sized_visibility.h).
+// share (sized_visibility.h; few_places.h where the light is dim beside an environment image).
 //
 // A light is counted once. A smooth surface shows it in the ray that it reflects, and draws no highlight of it; a rough
 // one draws a highlight, and its reflected ray does not see emission. In between, both are blended by roughness.
@@ -11,6 +11,7 @@
 #include <functional>
 
 #include "shading/polygon_light.h"
+#include "trace/few_places.h"
 #include "trace/passing_light.h"
 #include "trace/sized_visibility.h"
 
@@ -24,21 +25,34 @@ float highlight_share(const shading::SurfacePoint& s);
 class SizedLighting {
  public:
     SizedLighting(const scene::SizedLights& lights, SizedVisibility& visibility, const ray::RayScene& rays)
-        : lights_(lights), visibility_(visibility.make_worker()), passing_(rays)
+        : lights_(lights), visibility_(visibility.make_worker()), few_(lights, rays), passing_(rays)
     {
     }
     /// Calls add(point, radiance) with the light reflected at points of the batch towards the viewer, throughput left
     /// out; light by light.
-    void light(const PointBatch& batch, const std::function<void(const TilePoint&, const glm::vec3&)>& add);
+    /// @param image  by point: the luminance that it reflects of an environment image; empty: there is none
+    void light(const PointBatch& batch, std::span<const float> image,
+               const std::function<void(const TilePoint&, const glm::vec3&)>& add);
+    /// To places of dim lights; others are counted by the worker.
+    std::uint64_t few_rays() const { return few_.rays_traced(); }
     std::unique_ptr<SizedVisibility::Worker> take_worker() { return std::move(visibility_); }
 
  private:
     const scene::SizedLights& lights_;
     std::unique_ptr<SizedVisibility::Worker> visibility_;
+    FewPlaces few_;
     PassingLight passing_;
-    std::vector<float> highlight_;                    // by point of the batch
-    std::vector<std::uint32_t> asked_;                // points that the present light could reach
-    std::vector<shading::UnshadowedLight> arrives_;   // by asked point
+    std::vector<float> highlight_;   // by point of the batch
+    struct Asked {
+        std::uint32_t point = 0;
+        shading::UnshadowedLight arrives;
+    };
+    glm::vec3 reflected(const TilePoint& point, float highlight, const shading::UnshadowedLight& light) const;
+    void add_seen(const PointBatch& batch, const scene::SizedLight& light, const Asked& asked,
+                  shading::UnshadowedLight seen, const std::function<void(const TilePoint&, const glm::vec3&)>& add);
+
+    std::vector<Asked> fine_, dim_;       // points that the present light could reach, by visibility
+    std::vector<std::uint32_t> points_;   // of fine_
     SizedVisible visible_;
 };
 

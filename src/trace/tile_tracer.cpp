@@ -103,8 +103,8 @@ void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out)
         shade_hits(primary_, true, sample);
         watch.end(FrameTimes::surfaces);
         add_lights(batch(true, sample), watch);
-        add_sized_lights(batch(true, sample), watch);
         add_environment(batch(true, sample), watch);
+        add_sized_lights(batch(true, sample), watch);
         add_indirect(batch(true, sample));
         watch.end(FrameTimes::indirect);
 
@@ -135,8 +135,8 @@ void TileTracer::follow_paths(int sample, Stopwatch& watch)
             watch.end(FrameTimes::surfaces);
         }
         add_lights(batch(false, sample), watch);
-        add_sized_lights(batch(false, sample), watch);
         add_environment(batch(false, sample), watch);
+        add_sized_lights(batch(false, sample), watch);
         add_indirect(batch(false, sample));
         watch.end(FrameTimes::indirect_mirrored);
     }
@@ -364,11 +364,12 @@ void TileTracer::find_passing(const scene::Light& light, const scene::LightState
     rays_.let_through(passing_, 0, passing_.size(), passes_.data());
 }
 
-// Adds the direct light of emissive surfaces.
+// Adds the direct light of emissive surfaces, after that of the image: beside it, dim ones need few rays.
 void TileTracer::add_sized_lights(const PointBatch& batch, Stopwatch& watch)
 {
     if (!sized_) return;
-    sized_->light(batch, [&](const TilePoint& point, const glm::vec3& reflected) {
+    const std::span<const float> image = sees_image_ ? environment_->reflected() : std::span<const float>();
+    sized_->light(batch, image, [&](const TilePoint& point, const glm::vec3& reflected) {
         const glm::vec3 radiance = point.throughput * reflected;
         add_light(point, radiance);
         if (batch.primary && options_.layers) direct_[point.pixel] += radiance;

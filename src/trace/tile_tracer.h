@@ -42,6 +42,8 @@ class TileTracer {
     std::unique_ptr<ShadowTester::Worker> take_shadows() { return std::move(shadows_); }
     /// Only with lights with size.
     std::unique_ptr<SizedVisibility::Worker> take_sized() { return sized_->take_worker(); }
+    /// Shadow rays to lights with size beside those of the worker.
+    std::uint64_t few_rays() const { return sized_ ? sized_->few_rays() : 0; }
     /// Zeros without an environment.
     environment_light::VisibilityCounters environment_counters() const
     {

@@ -120,6 +120,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     // Sum what the threads counted, and let the techniques learn from what their workers found.
     FrameCounters counters;
     environment_light::VisibilityCounters environment_counters;
+    std::uint64_t few_rays = 0;
     std::vector<std::unique_ptr<ShadowTester::Worker>> shadow_workers;
     std::vector<std::unique_ptr<SizedVisibility::Worker>> sized_workers;
     std::vector<std::unique_ptr<IndirectLight::Worker>> indirect_workers;
@@ -131,6 +132,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         for (std::size_t stage = 0; stage < FrameTimes::k_stages; ++stage)
             out.times.ms[stage] += tracer->times().ms[stage] / tasks.threads();
         environment_counters.add(tracer->environment_counters());
+        few_rays += tracer->few_rays();
         shadow_workers.push_back(tracer->take_shadows());
         if (sized.lights) sized_workers.push_back(tracer->take_sized());
         if (indirect) indirect_workers.push_back(tracer->take_indirect());
@@ -139,7 +141,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     counters.shadow = shadows.end_frame(shadow_workers, tasks);
     if (sized.lights) {
         const FrameCounters::Shadow more = sized_visibility.end_frame(sized_workers, tasks);
-        counters.shadow.rays += more.rays;
+        counters.shadow.rays += more.rays + few_rays;
         counters.shadow.rays_skipped += more.rays_skipped;
         counters.shadow.rays_dynamic_only += more.rays_dynamic_only;
         if (more.rays_wrong) counters.shadow.rays_wrong = counters.shadow.rays_wrong.value_or(0) + *more.rays_wrong;
