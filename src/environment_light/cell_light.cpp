@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "base/check.h"
+#include "environment_light/cell_sums.h"
 
 namespace gnomon::environment_light {
 
@@ -280,50 +281,26 @@ glm::vec3 CellLight::blurred(const glm::vec3& direction, float roughness) const
     return glm::mix(lobes_->tables[above - 1].at(direction), lobes_->tables[above].at(direction), t);
 }
 
-// The weight of a cell is what the lobe reflects of it: the distribution of normals times masking and shadowing of the
-// microfacets [Heitz 2014, equation 99], without constant factors.
 glm::vec3 CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> seen) const
 {
     const float roughness = std::max(lobe.roughness, options_.least_roughness);
     const float alpha = roughness * roughness, a2 = alpha * alpha;
-    const glm::vec3 &v = lobe.to_viewer, &n = lobe.normal, &g = lobe.geometric_normal;
-    const float n_v = std::max(glm::dot(n, v), 1e-3f), masking = std::sqrt(a2 + (1 - a2) * n_v * n_v);
-    const ByteMasks& masks = byte_masks();
+    const float n_v = std::max(glm::dot(lobe.normal, lobe.to_viewer), 1e-3f);
+    const WeightedLobe weighted{
+        lobe.to_viewer, lobe.normal, lobe.geometric_normal, a2, n_v, std::sqrt(a2 + (1 - a2) * n_v * n_v)};
     // By lane, so that the sums have a fixed order.
-    std::array<std::array<float, k_lanes>, 3> all{}, visible{};
-    std::array<float, k_lanes> angles{};
-    for (std::size_t first = 0; first < 64 * seen.size(); first += k_lanes) {
-        const float *x = mean_[0].data() + first, *y = mean_[1].data() + first, *z = mean_[2].data() + first;
-        const auto& keep = masks.of[seen[first / 64] >> (first % 64) & 0xff];
-        std::array<float, k_lanes> weight, kept;
-        for (std::size_t i = 0; i < k_lanes; ++i) {
-            const float l_v = v.x * x[i] + v.y * y[i] + v.z * z[i];
-            const float n_l = n.x * x[i] + n.y * y[i] + n.z * z[i];
-            const float g_l = g.x * x[i] + g.y * y[i] + g.z * z[i];
-            // The squared cosine between the normal and the half vector.
-            const float half2 = (n_l + n_v) * (n_l + n_v) / std::max(2 + 2 * l_v, 1e-6f);
-            const float d = half2 * (a2 - 1) + 1;
-            const float shadowing = std::sqrt(a2 + (1 - a2) * n_l * n_l);
-            const bool counts = n_l > 0 && g_l > 0;
-            weight[i] = counts ? n_l / (d * d * (n_l * masking + n_v * shadowing)) : 0;
-            kept[i] = keep[i] != 0 ? weight[i] : 0;
-            angles[i] += weight[i] * angle_[first + i];
-        }
-        for (std::size_t colour = 0; colour < 3; ++colour) {
-            const float* flux = flux_[colour].data() + first;
-            for (std::size_t i = 0; i < k_lanes; ++i) {
-                all[colour][i] += weight[i] * flux[i];
-                visible[colour][i] += kept[i] * flux[i];
-            }
-        }
-    }
+    const LobeSums sums = lobe_sums(weighted,
+                                    {{mean_[0].data(), mean_[1].data(), mean_[2].data()},
+                                     {flux_[0].data(), flux_[1].data(), flux_[2].data()},
+                                     angle_.data()},
+                                    seen);
     float angle = 0;
-    for (const float of_lane : angles) angle += of_lane;
+    for (const float of_lane : sums.angles) angle += of_lane;
     glm::vec3 share(0), mean(0);
     for (int colour = 0; colour < 3; ++colour) {
         const auto c = static_cast<std::size_t>(colour);
         float whole = 0, part = 0;
-        for (std::size_t i = 0; i < k_lanes; ++i) whole += all[c][i], part += visible[c][i];
+        for (std::size_t i = 0; i < k_sum_lanes; ++i) whole += sums.all[c][i], part += sums.visible[c][i];
         share[colour] = whole > 0 ? std::min(part / whole, 1.0f) : 0;
         mean[colour] = angle > 0 ? whole / angle : 0;
     }

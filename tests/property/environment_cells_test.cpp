@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "environment_light/cell_light.h"
+#include "environment_light/cell_sums.h"
 #include "environment_light/cell_visibility.h"
 #include "environment_light/environment_light.h"
 #include "scene/builtin/builtin.h"
@@ -182,6 +183,47 @@ TEST(CellLight, VisibleAndHiddenCellsAddUp)
 }
 
 // The blurred radiance of an even sky is even, and a lobe that sees everything has all of it.
+// Vectors of any width give the bits of a plain loop.
+TEST(CellLight, SumsOfALobeAreThoseOfAPlainLoop)
+{
+    Random random(7);
+    constexpr std::size_t k_words = 3;
+    std::array<std::vector<float>, 7> list;
+    for (auto& values : list)
+        for (std::size_t i = 0; i < 64 * k_words; ++i) values.push_back(random.uniform(-1, 1));
+    const CellLists cells{{list[0].data(), list[1].data(), list[2].data()},
+                          {list[3].data(), list[4].data(), list[5].data()},
+                          list[6].data()};
+    for (int round = 0; round < 50; ++round) {
+        const glm::vec3 v = any_direction(random), n = any_direction(random), g = any_direction(random);
+        const float a2 = random.uniform(0.01f, 1), n_v = random.uniform(0.01f, 1);
+        const WeightedLobe lobe{v, n, g, a2, n_v, std::sqrt(a2 + (1 - a2) * n_v * n_v)};
+        std::array<std::uint64_t, k_words> seen{};
+        for (std::uint64_t& word : seen) word = std::uint64_t{random.next()} << 32 | random.next();
+        LobeSums plain;
+        for (std::size_t leaf = 0; leaf < 64 * k_words; ++leaf) {
+            const auto dot = [&](const glm::vec3& a) {
+                return a.x * list[0][leaf] + a.y * list[1][leaf] + a.z * list[2][leaf];
+            };
+            const float n_l = dot(n);
+            if (!(n_l > 0) || !(dot(g) > 0)) continue;
+            const float half2 = (n_l + n_v) * (n_l + n_v) / std::max(2 + 2 * dot(v), 1e-6f);
+            const float d = half2 * (a2 - 1) + 1;
+            const float weight = n_l / (d * d * (n_l * lobe.masking + n_v * std::sqrt(a2 + (1 - a2) * n_l * n_l)));
+            const std::size_t lane = leaf % k_sum_lanes;
+            plain.angles[lane] += weight * list[6][leaf];
+            for (std::size_t c = 0; c < 3; ++c) {
+                plain.all[c][lane] += weight * list[3 + c][leaf];
+                if (seen[leaf / 64] >> (leaf % 64) & 1) plain.visible[c][lane] += weight * list[3 + c][leaf];
+            }
+        }
+        const LobeSums sums = lobe_sums(lobe, cells, seen);
+        EXPECT_EQ(sums.angles, plain.angles) << round;
+        EXPECT_EQ(sums.all, plain.all) << round;
+        EXPECT_EQ(sums.visible, plain.visible) << round;
+    }
+}
+
 TEST(CellLight, LobesSeeAnEvenSkyEven)
 {
     const scene::Environment environment = even_sky();

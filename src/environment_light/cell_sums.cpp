@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// This file is compiled once for each instruction set: Highway includes it again and again.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "environment_light/cell_sums.cpp"
+#include <hwy/foreach_target.h>   // first of all
+
+#include <hwy/highway.h>
+
+#include "environment_light/cell_sums.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gnomon::environment_light::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// The weight of a cell is what the lobe reflects of it: the distribution of normals times masking and shadowing of the
+// microfacets [Heitz 2014, equation 99], without constant factors.
+LobeSums lobe_sums_of(const WeightedLobe& lobe, const CellLists& cells, std::span<const std::uint64_t> seen)
+{
+    const hn::CappedTag<float, k_sum_lanes> d;
+    using V = hn::Vec<decltype(d)>;
+    const std::size_t lanes = hn::Lanes(d);
+    const auto dot = [&](const glm::vec3& a, const V& x, const V& y, const V& z) {
+        return hn::Add(hn::Add(hn::Mul(hn::Set(d, a.x), x), hn::Mul(hn::Set(d, a.y), y)), hn::Mul(hn::Set(d, a.z), z));
+    };
+    const V zero = hn::Zero(d), one = hn::Set(d, 1), two = hn::Set(d, 2), least = hn::Set(d, 1e-6f);
+    const V a2 = hn::Set(d, lobe.a2), less = hn::Set(d, lobe.a2 - 1), more = hn::Set(d, 1 - lobe.a2);
+    const V n_v = hn::Set(d, lobe.n_v), masking = hn::Set(d, lobe.masking);
+    LobeSums sums;
+    for (std::size_t offset = 0; offset < k_sum_lanes; offset += lanes) {
+        V all[3] = {zero, zero, zero}, visible[3] = {zero, zero, zero}, angles = zero;
+        for (std::size_t first = offset; first < 64 * seen.size(); first += k_sum_lanes) {
+            const V x = hn::LoadU(d, cells.mean[0] + first), y = hn::LoadU(d, cells.mean[1] + first),
+                    z = hn::LoadU(d, cells.mean[2] + first);
+            const V n_l = dot(lobe.normal, x, y, z), g_l = dot(lobe.geometric_normal, x, y, z);
+            const auto counts = hn::And(hn::Gt(n_l, zero), hn::Gt(g_l, zero));
+            if (hn::AllFalse(d, counts)) continue;
+            const V l_v = dot(lobe.to_viewer, x, y, z);
+            // The squared cosine between the normal and the half vector.
+            const V both = hn::Add(n_l, n_v);
+            const V half2 = hn::Div(hn::Mul(both, both), hn::Max(hn::Add(two, hn::Mul(two, l_v)), least));
+            const V t = hn::Add(hn::Mul(half2, less), one);
+            const V shadowing = hn::Sqrt(hn::Add(a2, hn::Mul(hn::Mul(more, n_l), n_l)));
+            const V below = hn::Mul(hn::Mul(t, t), hn::Add(hn::Mul(n_l, masking), hn::Mul(n_v, shadowing)));
+            const V weight = hn::IfThenElseZero(counts, hn::Div(n_l, below));
+            const std::uint64_t bits = seen[first / 64] >> (first % 64) & ((1u << lanes) - 1);
+            alignas(8) std::uint8_t bytes[8];
+            for (std::size_t i = 0; i < sizeof bytes; ++i) bytes[i] = static_cast<std::uint8_t>(bits >> (8 * i));
+            const V kept = hn::IfThenElseZero(hn::LoadMaskBits(d, bytes), weight);
+            angles = hn::Add(angles, hn::Mul(weight, hn::LoadU(d, cells.angle + first)));
+            for (std::size_t c = 0; c < 3; ++c) {
+                const V flux = hn::LoadU(d, cells.flux[c] + first);
+                all[c] = hn::Add(all[c], hn::Mul(weight, flux));
+                visible[c] = hn::Add(visible[c], hn::Mul(kept, flux));
+            }
+        }
+        hn::StoreU(angles, d, sums.angles.data() + offset);
+        for (std::size_t c = 0; c < 3; ++c) {
+            hn::StoreU(all[c], d, sums.all[c].data() + offset);
+            hn::StoreU(visible[c], d, sums.visible[c].data() + offset);
+        }
+    }
+    return sums;
+}
+
+}   // namespace gnomon::environment_light::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace gnomon::environment_light {
+
+HWY_EXPORT(lobe_sums_of);
+
+LobeSums lobe_sums(const WeightedLobe& lobe, const CellLists& cells, std::span<const std::uint64_t> seen)
+{
+    return HWY_DYNAMIC_DISPATCH(lobe_sums_of)(lobe, cells, seen);
+}
+
+}   // namespace gnomon::environment_light
+#endif

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Sums over the cells of directions at one point, in the widest vectors that the machine has.
+//
+// Terms are added by eight lanes, whatever the width of vectors, and no multiplication is fused with an addition: every
+// instruction set gives the same bits.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "base/math.h"
+
+namespace gnomon::environment_light {
+
+inline constexpr std::size_t k_sum_lanes = 8;
+using LaneSums = std::array<float, k_sum_lanes>;
+
+/// Lists by leaf, padded with zeros to whole words of masks; by axis or colour where there are three.
+struct CellLists {
+    std::array<const float*, 3> mean, flux;
+    const float* angle = nullptr;
+};
+
+/// A lobe as CellLight::seen_by() weights cells by it.
+struct WeightedLobe {
+    glm::vec3 to_viewer{0}, normal{0}, geometric_normal{0};
+    float a2 = 1;        // the fourth power of the roughness
+    float n_v = 1;       // cosine of the view, above 0
+    float masking = 1;   // of the viewer's direction
+};
+
+struct LobeSums {
+    std::array<LaneSums, 3> all{}, visible{};   // weight times flux
+    LaneSums angles{};                          // weight times solid angle
+};
+
+/// Sums over all cells above both horizons, and over those that are seen.
+/// @param seen  a bit for each leaf
+LobeSums lobe_sums(const WeightedLobe& lobe, const CellLists& cells, std::span<const std::uint64_t> seen);
+
+}   // namespace gnomon::environment_light
