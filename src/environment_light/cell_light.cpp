@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "base/check.h"
+#include "environment_light/folded_sphere.h"
 
 namespace gnomon::environment_light {
 
@@ -21,25 +22,6 @@ constexpr std::array<int, k_lobes> k_lobe_side = {160, 128, 96, 64, 48, 32, 24};
 constexpr int k_finest_side = 256;   // of the radiance that lobes are gathered from
 constexpr int k_coarsest_side = 4;
 constexpr float k_accuracy = 0.5f;   // a cell that lobes are gathered from is at most this fraction of their width
-
-// The square's point of a direction, and back.
-glm::vec2 fold(const glm::vec3& d)
-{
-    const float sum = std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
-    const glm::vec2 p(d.x / sum, d.y / sum);
-    if (d.z >= 0) return p;
-    return {(1 - std::abs(p.y)) * (p.x >= 0 ? 1.0f : -1.0f), (1 - std::abs(p.x)) * (p.y >= 0 ? 1.0f : -1.0f)};
-}
-glm::vec3 unfold(const glm::vec2& p)
-{
-    glm::vec3 d(p.x, p.y, 1 - std::abs(p.x) - std::abs(p.y));
-    if (d.z < 0) {
-        const glm::vec2 q((1 - std::abs(p.y)) * (p.x >= 0 ? 1.0f : -1.0f),
-                          (1 - std::abs(p.x)) * (p.y >= 0 ? 1.0f : -1.0f));
-        d.x = q.x, d.y = q.y;
-    }
-    return glm::normalize(d);
-}
 
 // The weight of light from a direction whose cosine to the mirror direction is c, for a lobe that is seen along the
 // normal: the distribution of normals times the cosine [Karis 2013], without constant factors.
@@ -286,7 +268,7 @@ glm::vec3 CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> se
 {
     const float roughness = std::max(lobe.roughness, options_.least_roughness);
     const float alpha = roughness * roughness, a2 = alpha * alpha;
-    const glm::vec3 &v = lobe.to_viewer, &n = lobe.normal, &g = lobe.geometric_normal;
+    const glm::vec3 &v = lobe.to_viewer, &n = lobe.normal, &g = lobe.horizon;
     const float n_v = std::max(glm::dot(n, v), 1e-3f), masking = std::sqrt(a2 + (1 - a2) * n_v * n_v);
     const ByteMasks& masks = byte_masks();
     // By lane, so that the sums have a fixed order.

@@ -144,7 +144,7 @@ glm::vec2 ProvenShares::share_of(const Tile& tile, std::uint32_t p, std::size_t 
     const glm::vec4 normal = normals_.as<glm::vec4>()[pixel], specular = speculars_.as<glm::vec4>()[pixel];
     shading::SurfacePoint s;
     s.position = glm::vec3(positions_.as<glm::vec4>()[pixel]);
-    s.geometric_normal = point.normal, s.normal = glm::vec3(normal);
+    s.geometric_normal = s.smooth_normal = point.normal, s.normal = glm::vec3(normal);
     s.to_viewer = orthographic_ ? -forward_ : glm::normalize(eye_ - s.position);
     s.roughness = std::max(normal.w, GNOMON_LOBE_LEAST_ROUGHNESS);
     s.specular = glm::vec3(specular);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "ray/origin.h"
+#include "ray/smooth_surface.h"
 #include "scene/footprint.h"
 #include "scene/material_layers.h"
 #include "shading/layers.h"
@@ -305,6 +306,8 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
 
     // Bend a shading normal that looks away from the viewer back to the horizon.
     s.normal = to_viewers_side(s, s.normal);
+    s.smooth_normal = s.geometric_normal;
+    if (geometry.normals) s.smooth_normal = ray::smooth_horizon(s.geometric_normal, to_viewers_side(s, smooth_normal));
 
     s.model = material.model;
     s.catches_shadows = material.catches_shadows;
@@ -319,6 +322,12 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
                                         material.layers->clearcoat_normal_scale, frame, p, smooth_normal, s.front);
         fill_layers(*material.layers, frame, p, to_viewers_side(s, coat_normal), s);
     }
+}
+
+glm::vec3 smooth_origin(const ray::ObjectGeometry& geometry, std::uint32_t triangle, float u, float v,
+                        const SurfacePoint& s)
+{
+    return s.position + s.offset * s.geometric_normal + ray::smooth_lift(geometry, triangle, u, v, s.geometric_normal);
 }
 
 }   // namespace gnomon::shading

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/interruption.h"
+#include "ray/origin.h"
 #include "shading/glossy.h"
 
 namespace gnomon::trace {
@@ -12,6 +13,20 @@ namespace {
 
 constexpr float k_sharp_roughness = 0.05f;     // up to here, reflected rays show lights
 constexpr float k_blurred_roughness = 0.15f;   // from here on, lobes do
+constexpr std::size_t k_between_rays = 64;     // at most, from a point to a light that is partly behind its triangle
+
+// Whether some of a light is above a point's smooth horizon and below that of its triangle.
+bool is_partly_between(const shading::SurfacePoint& s, const scene::SizedLight& light)
+{
+    if (s.smooth_normal == s.geometric_normal) return false;
+    const float height = glm::dot(light.centre - s.position, s.geometric_normal);
+    if (height >= light.radius) return false;
+    if (light.faces.size() > 1) return true;
+    const scene::SizedFace& face = light.faces.front();
+    for (int c = 0; c < face.corners; ++c)
+        if (shading::between_horizons(s, face.corner[static_cast<std::size_t>(c)] - s.position)) return true;
+    return false;
+}
 
 }   // namespace
 
@@ -33,19 +48,42 @@ void SizedLighting::light(const PointBatch& batch, const std::function<void(cons
         interruption_point();
         const scene::SizedLight& light = lights_.lights()[l];
         // Find the points that the light reaches if nothing occludes it.
-        asked_.clear(), arrives_.clear();
+        asked_.clear(), arrives_.clear(), between_.clear();
         for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
             const shading::SurfacePoint& s = batch.points[p].surface;
             const bool lobe = highlight_[p] > 0;
             if (s.model == scene::ShadingModel::unlit || (!lobe && s.diffuse == glm::vec3(0))) continue;
             const shading::UnshadowedLight arrives = shading::unshadowed(s, light, lobe);
             if (arrives.irradiance == glm::vec3(0) && arrives.lobe == glm::vec3(0)) continue;
+            if (is_partly_between(s, light)) {
+                between_.push_back({p, arrives});
+                continue;
+            }
             asked_.push_back(p);
             arrives_.push_back(arrives);
         }
+
+        // Find how much of it points see whose smooth horizon lies below that of their triangle.
+        for (const Arriving& arriving : between_) {
+            const TilePoint& point = batch.points[arriving.point];
+            const shading::SurfacePoint& s = point.surface;
+            const visibility::ShadowPoint& at = batch.shadow_points[arriving.point];
+            const glm::vec3 origin = shading::smooth_origin(rays_.geometry(at.object), at.triangle, at.u, at.v, s);
+            find_seen_between(s, at, origin, light);
+            const float highlight = highlight_[arriving.point];
+            const shading::VisibleShare share =
+                shading::visible_share(s, light, between_places_, between_seen_, SizedVisible::k_whole, highlight > 0);
+            shading::UnshadowedLight light_here = arriving.light;
+            light_here.irradiance *= share.irradiance, light_here.lobe *= share.lobe;
+            if (passing_.any()) {
+                const glm::vec3 passes = passing_.from_light(s, origin, light);
+                light_here.irradiance *= passes, light_here.lobe *= passes;
+            }
+            add(point, reflect(point, highlight, light_here));
+        }
         if (asked_.empty()) continue;
 
-        // Find how much of it they see, and reflect that.
+        // Find how much of it the others see, and reflect that.
         visibility_->find_visible(batch, l, asked_, visible_);
         for (std::size_t k = 0; k < asked_.size(); ++k) {
             if (visible_.answer[k] == SizedVisible::Answer::dark) continue;
@@ -67,19 +105,44 @@ void SizedLighting::light(const PointBatch& batch, const std::function<void(cons
                 const glm::vec3 passes = passing_.from_light(s, batch.shadow_points[asked_[k]].origin, light);
                 light_here.irradiance *= passes, light_here.lobe *= passes;
             }
-            glm::vec3 radiance(0);
-            if (highlight < 1)
-                radiance +=
-                    (1 - highlight) * shading::reflect_irradiance(s, point.next, glm::vec3(0), light_here.irradiance);
-            if (highlight > 0) {
-                // What the lobe does not reflect reaches the diffuse layer.
-                const glm::vec3 below = glm::vec3(1) - shading::glossy_albedo(s);
-                radiance += highlight * (light_here.lobe + below * shading::reflect_irradiance(s, {}, glm::vec3(0),
-                                                                                               light_here.irradiance));
-            }
-            add(point, radiance);
+            add(point, reflect(point, highlight, light_here));
         }
     }
+}
+
+glm::vec3 SizedLighting::reflect(const TilePoint& point, float highlight, const shading::UnshadowedLight& light) const
+{
+    const shading::SurfacePoint& s = point.surface;
+    glm::vec3 radiance(0);
+    if (highlight < 1)
+        radiance += (1 - highlight) * shading::reflect_irradiance(s, point.next, glm::vec3(0), light.irradiance);
+    if (highlight > 0) {
+        // What the lobe does not reflect reaches the diffuse layer.
+        const glm::vec3 below = glm::vec3(1) - shading::glossy_albedo(s);
+        radiance +=
+            highlight * (light.lobe + below * shading::reflect_irradiance(s, {}, glm::vec3(0), light.irradiance));
+    }
+    return radiance;
+}
+
+// Finds which places of a light a point sees, by rays: from its triangle to those that are before it, from the smooth
+// surface to the others.
+void SizedLighting::find_seen_between(const shading::SurfacePoint& s, const visibility::ShadowPoint& at,
+                                      const glm::vec3& smooth_origin, const scene::SizedLight& light)
+{
+    const std::size_t step = std::max<std::size_t>(1, (light.places.size() + k_between_rays - 1) / k_between_rays);
+    between_places_.clear(), queue_.clear();
+    queue_.purpose = ray::RayClass::shadow;
+    for (std::size_t i = step / 2; i < light.places.size(); i += step) {
+        const glm::vec3& place = light.places[i].position;
+        const glm::vec3& origin = glm::dot(s.geometric_normal, place - s.position) > 0 ? at.origin : smooth_origin;
+        queue_.push(origin, 0, place - origin, ray::k_shadow_ray_end);
+        between_places_.push_back(light.places[i]);
+    }
+    occluded_.resize(queue_.size() + ray::k_packet_pad);
+    rays_.occluded(queue_, 0, queue_.size(), occluded_.data());
+    between_seen_.resize(queue_.size());
+    for (std::size_t r = 0; r < queue_.size(); ++r) between_seen_[r] = occluded_[r] ? 0 : SizedVisible::k_whole;
 }
 
 }   // namespace gnomon::trace

@@ -24,7 +24,7 @@ float highlight_share(const shading::SurfacePoint& s);
 class SizedLighting {
  public:
     SizedLighting(const scene::SizedLights& lights, SizedVisibility& visibility, const ray::RayScene& rays)
-        : lights_(lights), visibility_(visibility.make_worker()), passing_(rays)
+        : lights_(lights), visibility_(visibility.make_worker()), rays_(rays), passing_(rays)
     {
     }
     /// Calls add(point, radiance) with the light reflected at points of the batch towards the viewer, throughput left
@@ -33,13 +33,27 @@ class SizedLighting {
     std::unique_ptr<SizedVisibility::Worker> take_worker() { return std::move(visibility_); }
 
  private:
+    struct Arriving {
+        std::uint32_t point;
+        shading::UnshadowedLight light;
+    };
+    glm::vec3 reflect(const TilePoint& point, float highlight, const shading::UnshadowedLight& light) const;
+    void find_seen_between(const shading::SurfacePoint& s, const visibility::ShadowPoint& at,
+                           const glm::vec3& smooth_origin, const scene::SizedLight& light);
+
     const scene::SizedLights& lights_;
     std::unique_ptr<SizedVisibility::Worker> visibility_;
+    const ray::RayScene& rays_;
     PassingLight passing_;
     std::vector<float> highlight_;                    // by point of the batch
     std::vector<std::uint32_t> asked_;                // points that the present light could reach
     std::vector<shading::UnshadowedLight> arrives_;   // by asked point
     SizedVisible visible_;
+    // Points of smooth meshes to which a part of the present light is behind the triangle, and what they see.
+    std::vector<Arriving> between_;
+    std::vector<scene::SizedPlace> between_places_;
+    std::vector<std::uint8_t> between_seen_, occluded_;
+    ray::RayQueue queue_;
 };
 
 }   // namespace gnomon::trace

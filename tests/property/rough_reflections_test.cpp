@@ -214,7 +214,7 @@ TEST(RoughReflections, NoNoiseOnAFloorThatReflectsAWall)
 shading::SurfacePoint surface(float roughness, float cosine)
 {
     shading::SurfacePoint s;
-    s.geometric_normal = s.normal = {0, 0, 1};
+    s.geometric_normal = s.normal = s.smooth_normal = {0, 0, 1};
     s.to_viewer = {std::sqrt(1 - cosine * cosine), 0, cosine};
     s.specular = {0.9f, 0.6f, 0.3f};
     s.roughness = roughness;

@@ -11,7 +11,7 @@ namespace {
 SurfacePoint flat(scene::ShadingModel model)
 {
     SurfacePoint s;
-    s.geometric_normal = s.normal = {0, 0, 1};
+    s.geometric_normal = s.normal = s.smooth_normal = {0, 0, 1};
     s.to_viewer = glm::normalize(glm::vec3(0.3f, 0, 1));
     s.model = model;
     s.diffuse = glm::vec3(0.5f);
