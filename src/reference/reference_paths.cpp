@@ -139,7 +139,8 @@ void ReferencePaths::push_first(const Request& request, int batch, std::uint32_t
                                           point.position + point.offset * point.geometric_normal,
                                           point.geometric_normal, point.normal, point.smooth_normal,
                                           point.smooth_origin, glm::vec3(1), glm::vec3(0), glm::vec3(0), glm::vec3(0)});
-    if (path.smooth_normal == glm::vec3(0)) path.smooth_normal = path.geometric_normal;
+    if (path.smooth_normal == glm::vec3(0))
+        path.smooth_normal = path.geometric_normal, path.smooth_origin = path.origin;
     const float a = unit_fraction(u ^ static_cast<std::uint32_t>(flip));
     const float b = unit_fraction(v ^ static_cast<std::uint32_t>(flip >> 32));
     path.glossy = request.glossy;
