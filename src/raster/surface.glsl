@@ -6,6 +6,8 @@ struct Surface {
     vec3 position;
     vec3 geometric_normal;
     vec3 normal;
+    vec3 smooth_normal;    // of the smooth horizon (ray/smooth_surface.h)
+    float smooth_height;   // of the smooth surface above the triangle
     vec3 to_viewer;
     bool front;
     uint model;
@@ -201,17 +203,25 @@ Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float
     if (objects.at[object].mirrored != 0) outward = -outward;
     s.front = dot(outward, direction) < 0;
     s.geometric_normal = s.front ? outward : -outward;
-    s.normal = s.geometric_normal;
+    s.normal = s.smooth_normal = s.geometric_normal;
+    s.smooth_height = 0;
     const uint first = objects.at[object].normals;
     if (first != GNOMON_NONE) {
         // Normalise at the corners first, as baked vertices are: a non-uniform scale would weight them differently.
         const mat3 turn = mat3(objects.at[object].normal_x, objects.at[object].normal_y, objects.at[object].normal_z);
-        vec3 turned = vec3(0);
+        vec3 turned = vec3(0), lift = vec3(0);
         for (int c = 0; c < 3; ++c) {
             const vec3 n = turn * fetch3(1, first + t.corner[c]);
-            turned += (c == 0 ? w : c == 1 ? t.u : t.v) * unit_or(n, n);
+            const vec3 unit = unit_or(n, n);
+            const float weight = c == 0 ? w : c == 1 ? t.u : t.v, above = dot(t.p[c] - s.position, unit);
+            turned += weight * unit;
+            if (dot(unit, s.geometric_normal) > 0 ? above > 0 : above < 0) lift += weight * above * unit;
         }
         s.normal = unit_or(s.front ? turned : -turned, s.geometric_normal);
+        const float away = dot(s.normal, s.to_viewer);
+        const vec3 bent = away < 0 ? unit_or(s.normal - (away - 1e-3) * s.to_viewer, s.geometric_normal) : s.normal;
+        if (dot(bent, s.geometric_normal) > 0.25) s.smooth_normal = bent;
+        s.smooth_height = dot(lift, s.smooth_normal);
     }
 
     find_footprint(t, double_area, s.geometric_normal, direction, cone_width + s.distance * cone_spread);
