@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "base/interruption.h"
-#include "ray/origin.h"
 #include "shading/glossy.h"
 
 namespace gnomon::trace {
@@ -13,20 +12,6 @@ namespace {
 
 constexpr float k_sharp_roughness = 0.05f;     // up to here, reflected rays show lights
 constexpr float k_blurred_roughness = 0.15f;   // from here on, lobes do
-constexpr std::size_t k_between_rays = 64;     // at most, from a point to a light that is partly behind its triangle
-
-// Whether some of a light is above a point's smooth horizon and below that of its triangle.
-bool is_partly_between(const shading::SurfacePoint& s, const scene::SizedLight& light)
-{
-    if (s.smooth_normal == s.geometric_normal) return false;
-    const float height = glm::dot(light.centre - s.position, s.geometric_normal);
-    if (height >= light.radius) return false;
-    if (light.faces.size() > 1) return true;
-    const scene::SizedFace& face = light.faces.front();
-    for (int c = 0; c < face.corners; ++c)
-        if (shading::between_horizons(s, face.corner[static_cast<std::size_t>(c)] - s.position)) return true;
-    return false;
-}
 
 }   // namespace
 
@@ -55,7 +40,7 @@ void SizedLighting::light(const PointBatch& batch, const std::function<void(cons
             if (s.model == scene::ShadingModel::unlit || (!lobe && s.diffuse == glm::vec3(0))) continue;
             const shading::UnshadowedLight arrives = shading::unshadowed(s, light, lobe);
             if (arrives.irradiance == glm::vec3(0) && arrives.lobe == glm::vec3(0)) continue;
-            if (is_partly_between(s, light)) {
+            if (shading::is_partly_between(s, light)) {
                 between_.push_back({p, arrives});
                 continue;
             }
@@ -69,10 +54,10 @@ void SizedLighting::light(const PointBatch& batch, const std::function<void(cons
             const shading::SurfacePoint& s = point.surface;
             const visibility::ShadowPoint& at = batch.shadow_points[arriving.point];
             const glm::vec3 origin = shading::smooth_origin(rays_.geometry(at.object), at.triangle, at.u, at.v, s);
-            find_seen_between(s, at, origin, light);
+            between_seen_.find(rays_, s, at.origin, origin, light);
             const float highlight = highlight_[arriving.point];
-            const shading::VisibleShare share =
-                shading::visible_share(s, light, between_places_, between_seen_, SizedVisible::k_whole, highlight > 0);
+            const shading::VisibleShare share = shading::visible_share(
+                s, light, between_seen_.places(), between_seen_.seen(), shading::SeenBetween::k_whole, highlight > 0);
             shading::UnshadowedLight light_here = arriving.light;
             light_here.irradiance *= share.irradiance, light_here.lobe *= share.lobe;
             if (passing_.any()) {
@@ -123,26 +108,6 @@ glm::vec3 SizedLighting::reflect(const TilePoint& point, float highlight, const 
             highlight * (light.lobe + below * shading::reflect_irradiance(s, {}, glm::vec3(0), light.irradiance));
     }
     return radiance;
-}
-
-// Finds which places of a light a point sees, by rays: from its triangle to those that are before it, from the smooth
-// surface to the others.
-void SizedLighting::find_seen_between(const shading::SurfacePoint& s, const visibility::ShadowPoint& at,
-                                      const glm::vec3& smooth_origin, const scene::SizedLight& light)
-{
-    const std::size_t step = std::max<std::size_t>(1, (light.places.size() + k_between_rays - 1) / k_between_rays);
-    between_places_.clear(), queue_.clear();
-    queue_.purpose = ray::RayClass::shadow;
-    for (std::size_t i = step / 2; i < light.places.size(); i += step) {
-        const glm::vec3& place = light.places[i].position;
-        const glm::vec3& origin = glm::dot(s.geometric_normal, place - s.position) > 0 ? at.origin : smooth_origin;
-        queue_.push(origin, 0, place - origin, ray::k_shadow_ray_end);
-        between_places_.push_back(light.places[i]);
-    }
-    occluded_.resize(queue_.size() + ray::k_packet_pad);
-    rays_.occluded(queue_, 0, queue_.size(), occluded_.data());
-    between_seen_.resize(queue_.size());
-    for (std::size_t r = 0; r < queue_.size(); ++r) between_seen_[r] = occluded_[r] ? 0 : SizedVisible::k_whole;
 }
 
 }   // namespace gnomon::trace

@@ -10,6 +10,7 @@
 
 #include <functional>
 
+#include "shading/between_horizons.h"
 #include "shading/polygon_light.h"
 #include "trace/passing_light.h"
 #include "trace/sized_visibility.h"
@@ -38,8 +39,6 @@ class SizedLighting {
         shading::UnshadowedLight light;
     };
     glm::vec3 reflect(const TilePoint& point, float highlight, const shading::UnshadowedLight& light) const;
-    void find_seen_between(const shading::SurfacePoint& s, const visibility::ShadowPoint& at,
-                           const glm::vec3& smooth_origin, const scene::SizedLight& light);
 
     const scene::SizedLights& lights_;
     std::unique_ptr<SizedVisibility::Worker> visibility_;
@@ -51,9 +50,7 @@ class SizedLighting {
     SizedVisible visible_;
     // Points of smooth meshes to which a part of the present light is behind the triangle, and what they see.
     std::vector<Arriving> between_;
-    std::vector<scene::SizedPlace> between_places_;
-    std::vector<std::uint8_t> between_seen_, occluded_;
-    ray::RayQueue queue_;
+    shading::SeenBetween between_seen_;
 };
 
 }   // namespace gnomon::trace
