@@ -21,6 +21,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 7, scalar) readonly buffer Positions { float at[]; } positions;
 layout(binding = 8, scalar) readonly buffer Normals { float at[]; } normals;
+layout(binding = 25, scalar) readonly buffer Tangents { vec4 at[]; } tangents;
 layout(binding = 9, scalar) readonly buffer Indices { uint at[]; } indices;
 layout(binding = 10, scalar) readonly buffer Frame { RasterFrame frame; };
 layout(binding = 11) uniform samplerBuffer environment;
