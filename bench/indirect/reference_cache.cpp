@@ -83,7 +83,8 @@ std::vector<reference::IrradianceEstimate> ReferenceCache::irradiance(const scen
     hash.add(options.samples), hash.add(options.bounces), hash.add(options.seed);
     hash.add(options.shining), hash.add(options.shining_unbounced);
     for (const reference::IrradiancePoint& p : places)
-        hash.add(p.position), hash.add(p.normal), hash.add(p.geometric_normal), hash.add(p.offset), hash.add(p.key);
+        hash.add(p.position), hash.add(p.normal), hash.add(p.geometric_normal), hash.add(p.offset), hash.add(p.key),
+            hash.add(p.smooth_normal), hash.add(p.smooth_origin);
 
     // Read the file of that name, or compute the values and write it.
     const std::filesystem::path file = folder_ / fmt::format("{:016x}.reference", hash.value());

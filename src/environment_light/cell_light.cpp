@@ -6,6 +6,7 @@
 
 #include "base/check.h"
 #include "environment_light/cell_sums.h"
+#include "environment_light/folded_sphere.h"
 
 namespace gnomon::environment_light {
 
@@ -22,25 +23,6 @@ constexpr std::array<int, k_lobes> k_lobe_side = {160, 128, 96, 64, 48, 32, 24};
 constexpr int k_finest_side = 256;   // of the radiance that lobes are gathered from
 constexpr int k_coarsest_side = 4;
 constexpr float k_accuracy = 0.5f;   // a cell that lobes are gathered from is at most this fraction of their width
-
-// The square's point of a direction, and back.
-glm::vec2 fold(const glm::vec3& d)
-{
-    const float sum = std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
-    const glm::vec2 p(d.x / sum, d.y / sum);
-    if (d.z >= 0) return p;
-    return {(1 - std::abs(p.y)) * (p.x >= 0 ? 1.0f : -1.0f), (1 - std::abs(p.x)) * (p.y >= 0 ? 1.0f : -1.0f)};
-}
-glm::vec3 unfold(const glm::vec2& p)
-{
-    glm::vec3 d(p.x, p.y, 1 - std::abs(p.x) - std::abs(p.y));
-    if (d.z < 0) {
-        const glm::vec2 q((1 - std::abs(p.y)) * (p.x >= 0 ? 1.0f : -1.0f),
-                          (1 - std::abs(p.x)) * (p.y >= 0 ? 1.0f : -1.0f));
-        d.x = q.x, d.y = q.y;
-    }
-    return glm::normalize(d);
-}
 
 // The weight of light from a direction whose cosine to the mirror direction is c, for a lobe that is seen along the
 // normal: the distribution of normals times the cosine [Karis 2013], without constant factors.
@@ -287,7 +269,7 @@ glm::vec3 CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> se
     const float alpha = roughness * roughness, a2 = alpha * alpha;
     const float n_v = std::max(glm::dot(lobe.normal, lobe.to_viewer), 1e-3f);
     const WeightedLobe weighted{
-        lobe.to_viewer, lobe.normal, lobe.geometric_normal, a2, n_v, std::sqrt(a2 + (1 - a2) * n_v * n_v)};
+        lobe.to_viewer, lobe.normal, lobe.horizon, a2, n_v, std::sqrt(a2 + (1 - a2) * n_v * n_v)};
     // By lane, so that the sums have a fixed order.
     const LobeSums sums = lobe_sums(weighted,
                                     {{mean_[0].data(), mean_[1].data(), mean_[2].data()},

@@ -37,9 +37,9 @@ struct CellLightOptions {
 /// A lobe at a point of a surface; all directions are unit.
 struct Lobe {
     glm::vec3 to_viewer{0};
-    glm::vec3 mirrored{0};                      // the direction that a mirror shows
-    glm::vec3 normal{0}, geometric_normal{0};   // what lies below either horizon has no weight
-    float roughness = 1;                        // perceptual
+    glm::vec3 mirrored{0};             // the direction that a mirror shows
+    glm::vec3 normal{0}, horizon{0};   // what lies below the plane of either has no weight
+    float roughness = 1;               // perceptual
 };
 
 /// A function of the direction, as a table over the vertices of a square that folds to an octahedron

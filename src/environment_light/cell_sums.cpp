@@ -32,7 +32,7 @@ LobeSums lobe_sums_of(const WeightedLobe& lobe, const CellLists& cells, std::spa
         for (std::size_t first = offset; first < 64 * seen.size(); first += k_sum_lanes) {
             const V x = hn::LoadU(d, cells.mean[0] + first), y = hn::LoadU(d, cells.mean[1] + first),
                     z = hn::LoadU(d, cells.mean[2] + first);
-            const V n_l = dot(lobe.normal, x, y, z), g_l = dot(lobe.geometric_normal, x, y, z);
+            const V n_l = dot(lobe.normal, x, y, z), g_l = dot(lobe.horizon, x, y, z);
             const auto counts = hn::And(hn::Gt(n_l, zero), hn::Gt(g_l, zero));
             if (hn::AllFalse(d, counts)) continue;
             const V l_v = dot(lobe.to_viewer, x, y, z);

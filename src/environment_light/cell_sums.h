@@ -25,10 +25,10 @@ struct CellLists {
 
 /// A lobe as CellLight::seen_by() weights cells by it.
 struct WeightedLobe {
-    glm::vec3 to_viewer{0}, normal{0}, geometric_normal{0};
-    float a2 = 1;        // the fourth power of the roughness
-    float n_v = 1;       // cosine of the view, above 0
-    float masking = 1;   // of the viewer's direction
+    glm::vec3 to_viewer{0}, normal{0}, horizon{0};   // see Lobe
+    float a2 = 1;                                    // the fourth power of the roughness
+    float n_v = 1;                                   // cosine of the view, above 0
+    float masking = 1;                               // of the viewer's direction
 };
 
 struct LobeSums {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <mutex>
 #include <utility>
 
 #include "base/check.h"
@@ -15,6 +16,8 @@ struct EnvironmentLight::Image {
     DirectionCells cells;
     CellLight light;
     std::unique_ptr<CellVisibility> visibility;
+    std::once_flag mirrored_made;
+    std::unique_ptr<MirroredCells> mirrored;
 
     Image(std::shared_ptr<const scene::Environment> of, const EnvironmentOptions& options)
         : environment(std::move(of)), cells(*environment, options.cells), light(cells, environment.get(), options.light)
@@ -114,6 +117,13 @@ const CellVisibility& EnvironmentLight::visibility() const
 {
     GNOMON_CHECK(image_);
     return *image_->visibility;
+}
+
+const MirroredCells& EnvironmentLight::mirrored() const
+{
+    GNOMON_CHECK(image_);
+    std::call_once(image_->mirrored_made, [&] { image_->mirrored = std::make_unique<MirroredCells>(image_->cells); });
+    return *image_->mirrored;
 }
 
 glm::vec3 EnvironmentLight::irradiance(CellVisibility::Scratch& scratch, const visibility::ShadowPoint& point,

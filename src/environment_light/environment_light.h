@@ -16,6 +16,7 @@
 
 #include "environment_light/cell_light.h"
 #include "environment_light/cell_visibility.h"
+#include "environment_light/mirrored_cells.h"
 
 namespace gnomon::environment_light {
 
@@ -54,6 +55,8 @@ class EnvironmentLight {
 
     const CellLight& light() const;
     const CellVisibility& visibility() const;
+    /// For points of smooth meshes. Thread-safe.
+    const MirroredCells& mirrored() const;
 
     /// The irradiance at one point of a surface. Thread-safe for different scratch and memory.
     /// @param point   ray origin and geometric normal; of a static object, with its triangle: what is proven of it then

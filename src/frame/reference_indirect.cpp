@@ -31,7 +31,7 @@ class ReferenceIndirect::Work final : public Worker {
             if (point.surface.diffuse * point.surface.coverage == glm::vec3(0)) continue;
             const std::uint64_t place = batch.tile.index_in_image(point.pixel, light_.image_width_);
             const std::uint64_t key = reference::mix(place, points_of_pixel_[point.pixel]++);
-            requests_.push_back({reference::irradiance_point(point.surface, key), samples_of(point.throughput)});
+            requests_.push_back({irradiance_point(batch, p, key), samples_of(point.throughput)});
             result.point.push_back(p);
         }
         const std::size_t diffuse = requests_.size();
@@ -42,8 +42,8 @@ class ReferenceIndirect::Work final : public Worker {
             const std::uint64_t place = batch.tile.index_in_image(point.pixel, light_.image_width_);
             const std::uint64_t key = reference::mix(place, points_of_pixel_[point.pixel]++);
             const glm::vec3 share = shading::glossy_albedo(point.surface) * point.surface.coverage;
-            requests_.push_back({reference::irradiance_point(point.surface, key), samples_of(point.throughput * share),
-                                 &point.surface});
+            requests_.push_back(
+                {irradiance_point(batch, p, key), samples_of(point.throughput * share), &point.surface});
             result.lobe_point.push_back(p);
         }
         estimates_.resize(requests_.size());
@@ -68,6 +68,14 @@ class ReferenceIndirect::Work final : public Worker {
     std::uint64_t rays() const { return paths_.counters().rays; }
 
  private:
+    reference::IrradiancePoint irradiance_point(const trace::PointBatch& batch, std::uint32_t p,
+                                                std::uint64_t key) const
+    {
+        const shading::SurfacePoint& s = batch.points[p].surface;
+        const visibility::ShadowPoint& at = batch.shadow_points[p];
+        return reference::irradiance_point(
+            s, shading::smooth_origin(light_.rays_->geometry(at.object), at.triangle, at.u, at.v, s), key);
+    }
     // Gives a point seen in a mirror fewer paths, in proportion to its throughput, since it adds less to the noise.
     int samples_of(const glm::vec3& throughput) const
     {
@@ -89,6 +97,7 @@ class ReferenceIndirect::Work final : public Worker {
 void ReferenceIndirect::begin_frame(const trace::FrameContext& frame)
 {
     light_.emplace(frame.state, frame.rays, options_);
+    rays_ = &frame.rays;
     image_width_ = frame.view.size.width;
 }
 

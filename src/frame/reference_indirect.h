@@ -29,6 +29,7 @@ class ReferenceIndirect final : public trace::IndirectLight {
     reference::ReferenceOptions options_;
     int samples_per_pixel_;
     int image_width_ = 0;
+    const ray::RayScene* rays_ = nullptr;              // of the frame
     std::optional<reference::ReferenceLight> light_;   // of the frame
 };
 

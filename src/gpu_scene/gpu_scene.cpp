@@ -29,7 +29,7 @@ constexpr std::uint32_t k_cull_code[] =
 // The offsets of a mesh's arrays in the shared ones.
 struct MeshPlace {
     std::uint32_t positions = 0, normals = GNOMON_NONE, texcoords[2] = {GNOMON_NONE, GNOMON_NONE};
-    std::uint32_t colors = GNOMON_NONE, first_index = 0;
+    std::uint32_t tangents = GNOMON_NONE, colors = GNOMON_NONE, first_index = 0;
 };
 
 // Appends values and returns the index of the first, or none if there are none.
@@ -80,13 +80,14 @@ void GpuScene::lay_out(const scene::SceneState& state, std::vector<vk::Upload>& 
     const scene::Scene& scene = *scene_;
     std::vector<glm::vec3> all_positions, all_normals;
     std::vector<glm::vec2> all_texcoords;
-    std::vector<glm::vec4> all_colors;
+    std::vector<glm::vec4> all_tangents, all_colors;
     std::vector<glm::uvec3> all_triangles;
     std::vector<MeshPlace> places;
     for (const scene::Mesh& mesh : scene.meshes) {
         MeshPlace& place = places.emplace_back();
         place.positions = append(all_positions, mesh.positions);
         place.normals = append(all_normals, mesh.normals);
+        place.tangents = append(all_tangents, mesh.tangents);
         for (int set = 0; set < 2; ++set) place.texcoords[set] = append(all_texcoords, mesh.texcoords[set]);
         place.colors = append(all_colors, mesh.colors);
         place.first_index = static_cast<std::uint32_t>(3 * all_triangles.size());
@@ -103,13 +104,14 @@ void GpuScene::lay_out(const scene::SceneState& state, std::vector<vk::Upload>& 
             const scene::DeformedMesh& shape = state.deformed(static_cast<scene::ObjectId>(o));
             place_of.positions = append(all_positions, shape.positions);
             place_of.normals = append(all_normals, shape.normals);
+            place_of.tangents = append(all_tangents, shape.tangents);
         }
         GpuObject& g = objects_host_.emplace_back();
         g.positions = place_of.positions;
         g.normals = place_of.normals;
         std::copy(std::begin(place_of.texcoords), std::end(place_of.texcoords), g.texcoords);
         g.colors = place_of.colors;
-        g.tangents = mesh.tangents.empty() ? 0 : 1;
+        g.tangents = place_of.tangents;
         g.first_index = place_of.first_index;
         place(state, static_cast<scene::ObjectId>(o));
         for (const scene::MeshPart& part : mesh.parts) {
@@ -141,6 +143,7 @@ void GpuScene::lay_out(const scene::SceneState& state, std::vector<vk::Upload>& 
     };
     make(positions, "positions", all_positions);
     make(normals, "normals", all_normals);
+    make(tangents, "tangents", all_tangents);
     make(texcoords, "texture coordinates", all_texcoords);
     make(colors, "vertex colours", all_colors);
     make(indices, "indices", all_triangles);
@@ -253,6 +256,9 @@ void GpuScene::update(vk::Commands& commands, const scene::SceneState& state)
         if (g.normals != GNOMON_NONE)
             uploads.push_back(
                 vk::upload_of(normals, std::span<const glm::vec3>(shape.normals), g.normals * sizeof(glm::vec3)));
+        if (g.tangents != GNOMON_NONE)
+            uploads.push_back(
+                vk::upload_of(tangents, std::span<const glm::vec4>(shape.tangents), g.tangents * sizeof(glm::vec4)));
         set_bounds(state, o);
         if (!turned)
             for (const std::uint32_t d : draws_of_[o])

@@ -54,7 +54,7 @@ class GpuScene {
     const vk::Pipeline& cull_pipeline() const { return cull_; }
 
     // One vec3 per vertex, meshes concatenated (GpuObject::positions); each mesh's indices start at 0.
-    vk::Buffer positions, normals, texcoords, colors, indices;
+    vk::Buffer positions, normals, tangents, texcoords, colors, indices;
     vk::Buffer objects, draws, materials, layers, textures, texels, lights;
     vk::Buffer commands_buffer;   // VkDrawIndexedIndirectCommand by draw
     vk::Buffer counts_buffer;     // of the last culling: draws, triangles

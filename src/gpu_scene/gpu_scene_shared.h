@@ -21,7 +21,7 @@ struct GpuObject {
     uint texcoords[2];   // each or none
     uint colors;         // or none
     uint first_index;    // of the mesh's triangles
-    uint tangents;       // 1: the file has tangents
+    uint tangents;       // or none
 };
 
 /// One part of one object; an indirect draw with the same index.

@@ -39,7 +39,7 @@ class PatchEmission::Shading {
     {
         shading::SurfacePoint s;
         s.position = point.position;
-        s.geometric_normal = s.normal = s.to_viewer = point.normal;
+        s.geometric_normal = s.smooth_normal = s.normal = s.to_viewer = point.normal;
         return s;
     }
     glm::vec3 unshadowed(const Point& point) const

@@ -18,6 +18,8 @@ struct GBuffer {
     vk::Image position;    // xyz: in the world; w: depth along the view's forward axis, 0 where there is no surface
     vk::Image normal;      // xyz: shading normal, unit, on the viewer's side; w: roughness, or Phong's exponent
     vk::Image geometric;   // xyz: geometric normal, likewise; w: coverage
+    vk::Image smooth;      // xyz: normal of the smooth horizon (ray/smooth_surface.h), likewise; w: height of the smooth
+                           // surface above the triangle, along it
     vk::Image diffuse;     // xyz: reflectance; w: shading model (GNOMON_MODEL_...)
     vk::Image specular;    // xyz: mirror reflectance at normal incidence
     vk::Image ids;         // two 32-bit: object + 1 (0: nothing), triangle in the object's mesh

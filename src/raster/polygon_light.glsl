@@ -14,7 +14,7 @@ const uint k_most_corners = 8;
 const float k_small = 0.02;   // angle of a polygon below which a sum over few points is more exact than over edges
 
 struct Point {
-    vec3 position, normal, geometric, to_viewer, diffuse, specular;
+    vec3 position, normal, geometric, smooth_normal, to_viewer, diffuse, specular;
     uint model;
     float roughness, coverage;
     float lift;   // least distance of the light's plane
@@ -171,7 +171,7 @@ void add_polygon(Point p, Lobe lobe, bool has_lobe, Clipped polygon, vec3 radian
     for (uint step = 0; step < (has_lobe ? 3 : 2); ++step) {
         if (step == 2)
             for (uint i = 0; i < polygon.count; ++i) polygon.corner[i] = lobe.to_cosine * polygon.corner[i];
-        const vec3 normal = step == 0 ? p.geometric : step == 1 ? p.normal : vec3(0, 0, 1);
+        const vec3 normal = step == 0 ? p.smooth_normal : step == 1 ? p.normal : vec3(0, 0, 1);
         polygon = clip(polygon, normal);
         if (polygon.count < 3) return;
         if (step == 0) continue;
@@ -237,7 +237,7 @@ bool place_weight(Point p, SizedPlaceRecord place, bool has_lobe, float roughnes
     if (!(square > 0)) return false;
     const vec3 direction = to_place / sqrt(square);
     const float cosine = dot(direction, p.normal);
-    if (!(cosine > 0) || !(dot(direction, p.geometric) > 0)) return false;
+    if (!(cosine > 0) || !(dot(direction, p.smooth_normal) > 0)) return false;
     const SizedFaceRecord face = sized_faces[place.face];
     const float emitted = -dot(direction, face.normal);
     if (!(face.two_sided != 0 ? abs(emitted) > 0 : emitted > 0)) return false;
@@ -274,7 +274,7 @@ Unshadowed unshadowed(Point p, SizedLightRecord light, Lobe lobe, bool has_lobe)
 bool below_horizon(Point p, SizedLightRecord light)
 {
     const vec3 to_centre = light.centre - p.position;
-    return dot(to_centre, p.geometric) < -light.radius || dot(to_centre, p.normal) < -light.radius;
+    return dot(to_centre, p.smooth_normal) < -light.radius || dot(to_centre, p.normal) < -light.radius;
 }
 
 // Whether a cluster of many faces is so distant that it is summed over its places.

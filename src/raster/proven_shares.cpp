@@ -6,6 +6,7 @@
 #include "gpu_scene/gpu_scene_shared.h"
 #include "raster/barycentric.h"
 #include "ray/origin.h"
+#include "ray/smooth_surface.h"
 #include "scene/view.h"
 #include "shading/glossy.h"
 #include "shading/lobe_shared.h"
@@ -84,7 +85,8 @@ void ProvenShares::make_points(std::size_t number, const scene::View& view)
 void ProvenShares::read(vk::Commands& commands, const GBuffer& surfaces, const scene::View& view)
 {
     positions_ = commands.read_back(surfaces.position), normals_ = commands.read_back(surfaces.normal);
-    geometric_ = commands.read_back(surfaces.geometric), speculars_ = commands.read_back(surfaces.specular);
+    geometric_ = commands.read_back(surfaces.geometric), smooth_ = commands.read_back(surfaces.smooth),
+    speculars_ = commands.read_back(surfaces.specular);
     diffuse_ = commands.read_back(surfaces.diffuse), ids_ = commands.read_back(surfaces.ids);
     commands.submit();
     width_ = view.size.width, height_ = view.size.height;
@@ -117,6 +119,13 @@ void ProvenShares::find_in_tile(const Tile& tile, std::size_t number, const scen
     for (std::uint32_t p = 0; p < tile.points.size(); ++p) {
         const visibility::ShadowPoint& point = tile.points[p];
         if (!face.two_sided && !(glm::dot(face.normal, point.origin - face.corner[0]) > 0)) continue;
+        if (glm::vec3(smooth_.as<glm::vec4>()[tile.pixels[p]]) != point.normal) {
+            const shading::SurfacePoint s = surface_of(tile, p);
+            if (shading::is_partly_between(s, light)) {
+                shares[tile.pixels[p]] = share_between(tile, p, s, light, own);
+                continue;
+            }
+        }
         const auto above = [&](const glm::vec3& corner) { return glm::dot(point.normal, corner - point.origin) > 0; };
         if (std::any_of(face.corner.begin(), face.corner.begin() + face.corners, above)) own.asked.push_back(p);
     }
@@ -131,6 +140,42 @@ void ProvenShares::find_in_tile(const Tile& tile, std::size_t number, const scen
     }
 }
 
+shading::SurfacePoint ProvenShares::surface_of(const Tile& tile, std::uint32_t p) const
+{
+    const std::uint32_t pixel = tile.pixels[p];
+    const glm::vec4 normal = normals_.as<glm::vec4>()[pixel];
+    shading::SurfacePoint s;
+    s.position = glm::vec3(positions_.as<glm::vec4>()[pixel]);
+    s.geometric_normal = tile.points[p].normal, s.normal = glm::vec3(normal);
+    s.smooth_normal = glm::vec3(smooth_.as<glm::vec4>()[pixel]);
+    s.to_viewer = orthographic_ ? -forward_ : glm::normalize(eye_ - s.position);
+    s.roughness = std::max(normal.w, GNOMON_LOBE_LEAST_ROUGHNESS);
+    s.specular = glm::vec3(speculars_.as<glm::vec4>()[pixel]);
+    return s;
+}
+
+bool ProvenShares::has_lobe(const shading::SurfacePoint& s, std::uint32_t pixel) const
+{
+    const bool metallic_roughness =
+        static_cast<std::uint32_t>(diffuse_.as<glm::vec4>()[pixel].w) == GNOMON_MODEL_METALLIC_ROUGHNESS;
+    return metallic_roughness && speculars_.as<glm::vec4>()[pixel].w == 0 && shading::has_glossy_lobe(s);
+}
+
+// The shares of a point to which a part of a light is behind its triangle, but not behind the smooth surface.
+glm::vec2 ProvenShares::share_between(const Tile& tile, std::uint32_t p, const shading::SurfacePoint& s,
+                                      const scene::SizedLight& light, Scratch& own) const
+{
+    const visibility::ShadowPoint& point = tile.points[p];
+    const glm::vec3 lift =
+        ray::smooth_lift(rays_.geometry(point.object), point.triangle, point.u, point.v, point.normal);
+    own.between.find(rays_, s, point.origin, point.origin + lift, light);
+    const bool lobe = has_lobe(s, tile.pixels[p]);
+    const shading::VisibleShare share =
+        shading::visible_share(s, light, own.between.places(), own.between.seen(), shading::SeenBetween::k_whole, lobe);
+    const glm::vec3& radiance = light.faces.front().radiance;
+    return {mean_of(share.irradiance, radiance), lobe ? mean_of(share.lobe, radiance) : 0.0f};
+}
+
 // The shares of a point that sees a part of a light.
 glm::vec2 ProvenShares::share_of(const Tile& tile, std::uint32_t p, std::size_t number, const scene::SizedLight& light,
                                  std::size_t k, Scratch& own) const
@@ -141,16 +186,8 @@ glm::vec2 ProvenShares::share_of(const Tile& tile, std::uint32_t p, std::size_t 
     const std::size_t side = own.answers.back[k] ? 1 : 0;
     const area_light::LightCells& of_side = visibility_->cells(number, side == 1);
     const area_light::CellPlaces& places = places_[number];
-    const glm::vec4 normal = normals_.as<glm::vec4>()[pixel], specular = speculars_.as<glm::vec4>()[pixel];
-    shading::SurfacePoint s;
-    s.position = glm::vec3(positions_.as<glm::vec4>()[pixel]);
-    s.geometric_normal = point.normal, s.normal = glm::vec3(normal);
-    s.to_viewer = orthographic_ ? -forward_ : glm::normalize(eye_ - s.position);
-    s.roughness = std::max(normal.w, GNOMON_LOBE_LEAST_ROUGHNESS);
-    s.specular = glm::vec3(specular);
-    const bool metallic_roughness =
-        static_cast<std::uint32_t>(diffuse_.as<glm::vec4>()[pixel].w) == GNOMON_MODEL_METALLIC_ROUGHNESS;
-    const bool lobe = metallic_roughness && specular.w == 0 && shading::has_glossy_lobe(s);
+    const shading::SurfacePoint s = surface_of(tile, p);
+    const bool lobe = has_lobe(s, pixel);
     if (places.one_radiance && !lobe) return glm::vec2(of_side.share(point.origin, s.normal, point.normal, cells));
     own.seen.resize(places.of[side].size());
     places.fill_seen(side, of_side, cells, own.seen.data());

@@ -13,6 +13,7 @@
 #include "base/tasks.h"
 #include "raster/gbuffer.h"
 #include "scene/sized_light.h"
+#include "shading/between_horizons.h"
 
 namespace gnomon::raster {
 
@@ -47,12 +48,17 @@ class ProvenShares {
         area_light::AreaVisibility::Answers answers;
         std::vector<std::uint32_t> asked;
         std::vector<std::uint8_t> seen;
+        shading::SeenBetween between;
     };
     void make_points(std::size_t tile, const scene::View& view);
     void find_in_tile(const Tile& tile, std::size_t number, const scene::SizedLight& light, Scratch& own,
                       glm::vec2* shares) const;
+    shading::SurfacePoint surface_of(const Tile& tile, std::uint32_t point) const;
+    bool has_lobe(const shading::SurfacePoint& s, std::uint32_t pixel) const;
     glm::vec2 share_of(const Tile& tile, std::uint32_t point, std::size_t number, const scene::SizedLight& light,
                        std::size_t k, Scratch& own) const;
+    glm::vec2 share_between(const Tile& tile, std::uint32_t point, const shading::SurfacePoint& s,
+                            const scene::SizedLight& light, Scratch& own) const;
 
     const ray::RayScene& rays_;
     Tasks& tasks_;
@@ -62,7 +68,7 @@ class ProvenShares {
     std::vector<std::uint32_t> planar_;            // by light: index among the planar ones, or k_cluster
     std::vector<area_light::CellPlaces> places_;   // by planar light
     // Of the layer that was read:
-    vk::Buffer positions_, normals_, geometric_, speculars_, diffuse_, ids_;
+    vk::Buffer positions_, normals_, geometric_, smooth_, speculars_, diffuse_, ids_;
     int width_ = 0, height_ = 0;
     glm::vec3 eye_{0}, forward_{0};
     bool orthographic_ = false;

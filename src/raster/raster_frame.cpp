@@ -67,6 +67,7 @@ void RasterFrame::fit(Size size, const RasterOptions& options, std::size_t light
         surfaces_.position = image("position", k_wide_format, made);
         surfaces_.normal = image("normal", k_wide_format, made);
         surfaces_.geometric = image("geometric normal", k_wide_format, made);
+        surfaces_.smooth = image("smooth normal", k_wide_format, made);
         surfaces_.diffuse = image("diffuse", k_wide_format, made);
         surfaces_.specular = image("specular", k_wide_format, made);
         surfaces_.ids = image("ids", k_id_format, made);

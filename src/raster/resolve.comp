@@ -21,6 +21,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 7, scalar) readonly buffer Positions { float at[]; } positions;
 layout(binding = 8, scalar) readonly buffer Normals { float at[]; } normals;
+layout(binding = 25, scalar) readonly buffer Tangents { vec4 at[]; } tangents;
 layout(binding = 9, scalar) readonly buffer Indices { uint at[]; } indices;
 layout(binding = 10, scalar) readonly buffer Frame { RasterFrame frame; };
 layout(binding = 11) uniform samplerBuffer environment;
@@ -32,6 +33,7 @@ layout(binding = 16, rgba32f) uniform writeonly image2D share;
 layout(binding = 17, rgba32f) uniform writeonly image2D g_position;    // w: depth along the view; 0: nothing
 layout(binding = 18, rgba32f) uniform writeonly image2D g_normal;      // w: roughness, or Phong's exponent
 layout(binding = 19, rgba32f) uniform writeonly image2D g_geometric;   // w: coverage
+layout(binding = 24, rgba32f) uniform writeonly image2D g_smooth;      // w: height
 layout(binding = 20, rgba32f) uniform writeonly image2D g_diffuse;     // w: shading model
 layout(binding = 21, rgba32f) uniform writeonly image2D g_specular;    // w: index behind over before, of what refracts; else 0
 layout(binding = 22, rg32ui) uniform writeonly uimage2D g_ids;         // object + 1 (0: nothing), triangle of the mesh
@@ -87,6 +89,7 @@ void nothing(ivec2 at)
     imageStore(g_position, at, vec4(0));
     imageStore(g_normal, at, vec4(0));
     imageStore(g_geometric, at, vec4(0));
+    imageStore(g_smooth, at, vec4(0));
     imageStore(g_diffuse, at, vec4(0));
     imageStore(g_specular, at, vec4(0));
 }
@@ -140,6 +143,7 @@ void main()
     imageStore(g_position, at, vec4(s.position, dot(s.position - frame.eye, frame.forward)));
     imageStore(g_normal, at, vec4(s.normal, s.roughness));
     imageStore(g_geometric, at, vec4(s.geometric_normal, s.coverage));
+    imageStore(g_smooth, at, vec4(s.smooth_normal, s.smooth_height));
     imageStore(g_diffuse, at, vec4(s.diffuse, float(s.model)));
     imageStore(g_specular, at, vec4(s.specular, s.transmitted == vec3(0) ? 0 : s.front || s.thin ? s.ior : 1 / s.ior));
     imageStore(g_ids, at, uvec4(draws.at[draw].object + 1, draws.at[draw].first_triangle + id.y, 0, 0));

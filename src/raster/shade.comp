@@ -18,6 +18,7 @@ layout(binding = 4) uniform texture2D share;
 layout(binding = 5) uniform texture2D g_position;
 layout(binding = 6) uniform texture2D g_normal;
 layout(binding = 7) uniform texture2D g_geometric;
+layout(binding = 12) uniform texture2D g_smooth;
 layout(binding = 8) uniform texture2D g_diffuse;
 layout(binding = 9) uniform texture2D g_specular;
 layout(binding = 10) uniform texture2DArray visibility;   // one layer a light of the batch: 1 is lit
@@ -27,15 +28,15 @@ layout(push_constant, scalar) uniform Push { ShadePush push; };
 const float k_pi = 3.14159265358979;
 
 struct Point {
-    vec3 position, normal, geometric, to_viewer, diffuse, specular;
+    vec3 position, normal, smooth_normal, to_viewer, diffuse, specular;
     uint model;
     float roughness, coverage;
 };
 
-float soften_terminator(float cos_geometric, float cos_shading, float cos_between)
+float soften_terminator(float cos_horizon, float cos_shading, float cos_between)
 {
     if (cos_between >= 0.99999) return 1;
-    const float g = min(1, cos_geometric / max(cos_shading * cos_between, 1e-6));
+    const float g = min(1, cos_horizon / max(cos_shading * cos_between, 1e-6));
     return g * (1 + g * (1 - g));
 }
 
@@ -74,9 +75,9 @@ vec3 ggx(Point p, vec3 to_light, float cosine)
 
 vec3 reflect_light(Point p, vec3 to_light, bool of_environment)
 {
-    const float cosine = dot(p.normal, to_light), cos_geometric = dot(p.geometric, to_light);
-    if (cosine <= 0 || cos_geometric <= 0) return vec3(0);
-    const float soft = soften_terminator(cos_geometric, cosine, dot(p.normal, p.geometric)) * p.coverage;
+    const float cosine = dot(p.normal, to_light), cos_horizon = dot(p.smooth_normal, to_light);
+    if (cosine <= 0 || cos_horizon <= 0) return vec3(0);
+    const float soft = soften_terminator(cos_horizon, cosine, dot(p.normal, p.smooth_normal)) * p.coverage;
     if (of_environment) {
         vec3 reflectance = p.diffuse / k_pi;
         if (p.model != GNOMON_MODEL_WHITTED)
@@ -93,11 +94,11 @@ void main()
     const vec3 part = texelFetch(share, at, 0).xyz;
     const vec4 diffuse = texelFetch(g_diffuse, at, 0);
     if (part == vec3(0) || uint(diffuse.w) == GNOMON_MODEL_UNLIT) return;
-    const vec4 normal = texelFetch(g_normal, at, 0), geometric = texelFetch(g_geometric, at, 0);
+    const vec4 normal = texelFetch(g_normal, at, 0);
     Point p;
     p.position = texelFetch(g_position, at, 0).xyz;
     p.normal = normal.xyz, p.roughness = normal.w;
-    p.geometric = geometric.xyz, p.coverage = geometric.w;
+    p.smooth_normal = texelFetch(g_smooth, at, 0).xyz, p.coverage = texelFetch(g_geometric, at, 0).w;
     p.diffuse = diffuse.xyz, p.model = uint(diffuse.w);
     p.specular = texelFetch(g_specular, at, 0).xyz;
     p.to_viewer = frame.orthographic != 0 ? -frame.forward : normalize(frame.eye - p.position);
@@ -108,7 +109,7 @@ void main()
         const GpuLight light = lights.at[push.first_light + l];
         if (!illuminate(light, p.position, to_light, irradiance)) continue;
         const float lit = push.shadowed != 0 ? texelFetch(visibility, ivec3(at, int(l)), 0).x : 1;
-        if (!(lit > 0) || dot(p.normal, to_light) <= 0 || dot(p.geometric, to_light) <= 0) continue;
+        if (!(lit > 0) || dot(p.normal, to_light) <= 0 || dot(p.smooth_normal, to_light) <= 0) continue;
         sum += lit * irradiance * reflect_light(p, to_light, light.of_environment != 0);
         const uint bound = l - push.first_lit;   // wraps below the first
         if (bound < push.lit_count && irradiance != vec3(0))

@@ -71,7 +71,8 @@ void ShadowVisibility::update(vk::Commands& commands, const scene::SceneState& s
 void ShadowVisibility::fill(vk::Commands& commands, const GBuffer& surfaces, std::uint32_t first, std::uint32_t count,
                             const vk::Image& visibility)
 {
-    const shadow_textures::ImageInputs image{&surfaces.position, &surfaces.geometric, &surfaces.ids};
+    const shadow_textures::ImageInputs image{&surfaces.position, &surfaces.geometric, &surfaces.ids,
+                                             surfaces.smooth ? &surfaces.smooth : nullptr};
     if (hard_)
         hard_->record(commands, views_, casters_, image, visibility, first, count);
     else

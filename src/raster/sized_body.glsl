@@ -34,6 +34,7 @@ layout(binding = 20, scalar) readonly buffer Places { TexturePlace places[]; };
 layout(binding = 21, scalar) readonly buffer Textures { uint textures[]; };
 layout(binding = 22, scalar) readonly buffer Casts { uint casts[]; };
 #endif
+layout(binding = 24) uniform texture2D g_smooth;
 layout(binding = 23, scalar) readonly buffer Shares { vec2 shares[]; };   // light by light, pixel by pixel
 layout(push_constant, scalar) uniform Push { SizedPush push; };
 #define lookup push.look_up
@@ -45,6 +46,7 @@ layout(push_constant, scalar) uniform Push { SizedPush push; };
 #include "raster/percentage_closer.glsl"
 #else
 #include "shadow_textures/vulkan/lookup.glsl"
+#include "shadow_textures/vulkan/smooth_horizon.glsl"
 #endif
 
 // The fraction of the diffuse layer's light that a refracting glTF surface mirrors instead.
@@ -69,6 +71,8 @@ void main()
     p.position = texelFetch(g_position, at, 0).xyz;
     p.normal = normal.xyz, p.roughness = normal.w;
     p.geometric = geometric.xyz, p.coverage = geometric.w;
+    const vec4 smooth_at = texelFetch(g_smooth, at, 0);
+    p.smooth_normal = smooth_at.xyz;
     p.diffuse = diffuse.xyz, p.model = uint(diffuse.w);
     p.specular = specular.xyz;
     p.to_viewer = frame.orthographic != 0 ? -frame.forward : normalize(frame.eye - p.position);
@@ -123,7 +127,9 @@ void main()
             }
             whole[0] += irradiance, whole[1] += reflected;
 #ifndef GNOMON_CLOSER
-            const float visible = light_visibility(number, p.position, p.geometric, object);
+            vec3 point = p.position, facing = p.geometric;
+            move_between_horizons(number, smooth_at, point, facing);
+            const float visible = light_visibility(number, point, facing, object);
             seen[0] += visible * irradiance, seen[1] += visible * reflected;
 #endif
         }

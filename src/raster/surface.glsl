@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Makes a point to shade from a pixel's triangle, as src/shading/surface.cpp does. Included after
-// gpu_scene/scene_data.glsl, with `positions` and `normals` (three floats per vertex) and `indices` declared.
+// gpu_scene/scene_data.glsl, with `positions` and `normals` (three floats per vertex), `tangents` (four) and `indices`
+// declared.
 
 struct Surface {
     vec3 position;
     vec3 geometric_normal;
     vec3 normal;
+    vec3 smooth_normal;    // of the smooth horizon (ray/smooth_surface.h)
+    float smooth_height;   // of the smooth surface above the triangle
     vec3 to_viewer;
     bool front;
     uint model;
@@ -76,23 +79,46 @@ void find_footprint(inout Triangle t, float double_area, vec3 normal, vec3 direc
     t.across = across * vec2(-dot(e2, forward), dot(e1, forward));
 }
 
-vec3 mapped_normal(Triangle t, GpuTextureUse use, float scale, vec3 normal)
+// The directions of red and of green of a normal map, as in shading/surface.cpp; false where there are none.
+bool find_tangents(Triangle t, GpuTextureUse use, bool front, vec3 normal, out vec3 tangent, out vec3 bitangent)
 {
+    const uint own = objects.at[t.object].tangents;
+    if (own != GNOMON_NONE) {
+        const mat3 to_world = mat3(objects.at[t.object].to_world);
+        vec3 sum = vec3(0);
+        float sense = 0;
+        for (int c = 0; c < 3; ++c) {
+            const vec4 at = tangents.at[own + t.corner[c]];
+            const float weight = c == 0 ? max(0, 1 - t.u - t.v) : c == 1 ? t.u : t.v;
+            const vec3 turned = to_world * at.xyz;
+            sum += weight * unit_or(turned, at.xyz);
+            sense += weight * at.w;
+        }
+        tangent = unit_or(sum - normal * dot(normal, sum), vec3(0));
+        const bool mirrored = objects.at[t.object].mirrored != 0;
+        bitangent = cross(normal, tangent) * (((sense < 0) != mirrored) == front ? -1 : 1);
+        return tangent != vec3(0);
+    }
     const uint first = objects.at[t.object].texcoords[use.texcoord];
     const vec2 t0 = texcoords.at[first + t.corner.x];
-    vec2 a = texcoords.at[first + t.corner.y] - t0, b = texcoords.at[first + t.corner.z] - t0;
-    if (objects.at[t.object].tangents == 0) {
-        a = apply_to_step(use, a);
-        b = apply_to_step(use, b);
-    }
+    const vec2 a = apply_to_step(use, texcoords.at[first + t.corner.y] - t0),
+               b = apply_to_step(use, texcoords.at[first + t.corner.z] - t0);
     const float determinant = a.x * b.y - a.y * b.x;
-    if (determinant == 0) return normal;
+    if (determinant == 0) return false;
     const vec3 e1 = t.p[1] - t.p[0], e2 = t.p[2] - t.p[0];
     const vec3 along_u = (e1 * b.y - e2 * a.y) / determinant, along_v = (e2 * a.x - e1 * b.x) / determinant;
-    const vec3 tangent = unit_or(along_u - normal * dot(normal, along_u), vec3(0));
-    vec3 bitangent = cross(normal, tangent);
+    tangent = unit_or(along_u - normal * dot(normal, along_u), vec3(0));
+    bitangent = cross(normal, tangent);
     if (dot(bitangent, along_v) > 0) bitangent = -bitangent;
-    if (tangent == vec3(0)) return normal;
+    return tangent != vec3(0);
+}
+
+vec3 mapped_normal(Triangle t, GpuTextureUse use, float normal_scale, bool front, vec3 normal)
+{
+    vec3 tangent, bitangent;
+    if (!find_tangents(t, use, front, normal, tangent, bitangent)) return normal;
+    // A bump on the front is a dent on the back.
+    const float scale = front ? normal_scale : -normal_scale;
     const vec4 texel = look_up(t, use);
     const vec3 n = (2 * texel.xyz - 1) * vec3(scale, scale, 1);
     return unit_or(tangent * n.x + bitangent * n.y + normal * n.z, normal);
@@ -201,24 +227,31 @@ Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float
     if (objects.at[object].mirrored != 0) outward = -outward;
     s.front = dot(outward, direction) < 0;
     s.geometric_normal = s.front ? outward : -outward;
-    s.normal = s.geometric_normal;
+    s.normal = s.smooth_normal = s.geometric_normal;
+    s.smooth_height = 0;
     const uint first = objects.at[object].normals;
     if (first != GNOMON_NONE) {
         // Normalise at the corners first, as baked vertices are: a non-uniform scale would weight them differently.
         const mat3 turn = mat3(objects.at[object].normal_x, objects.at[object].normal_y, objects.at[object].normal_z);
-        vec3 turned = vec3(0);
+        vec3 turned = vec3(0), lift = vec3(0);
         for (int c = 0; c < 3; ++c) {
             const vec3 n = turn * fetch3(1, first + t.corner[c]);
-            turned += (c == 0 ? w : c == 1 ? t.u : t.v) * unit_or(n, n);
+            const vec3 unit = unit_or(n, n);
+            const float weight = c == 0 ? w : c == 1 ? t.u : t.v, above = dot(t.p[c] - s.position, unit);
+            turned += weight * unit;
+            if (dot(unit, s.geometric_normal) > 0 ? above > 0 : above < 0) lift += weight * above * unit;
         }
         s.normal = unit_or(s.front ? turned : -turned, s.geometric_normal);
+        const float away = dot(s.normal, s.to_viewer);
+        const vec3 bent = away < 0 ? unit_or(s.normal - (away - 1e-3) * s.to_viewer, s.geometric_normal) : s.normal;
+        if (dot(bent, s.geometric_normal) > 0.25) s.smooth_normal = bent;
+        s.smooth_height = dot(lift, s.smooth_normal);
     }
 
     find_footprint(t, double_area, s.geometric_normal, direction, cone_width + s.distance * cone_spread);
     const GpuMaterial material = materials.at[draws.at[draw].material];
     if (has(t, material.normal_texture))
-        s.normal = mapped_normal(t, material.normal_texture, s.front ? material.normal_scale : -material.normal_scale,
-                                 s.normal);
+        s.normal = mapped_normal(t, material.normal_texture, material.normal_scale, s.front, s.normal);
     const float facing = dot(s.normal, s.to_viewer);
     if (facing < 0) s.normal = unit_or(s.normal - (facing - 1e-3) * s.to_viewer, s.geometric_normal);
     fill_material(t, material, s);

@@ -12,9 +12,9 @@ namespace {
 constexpr std::size_t k_paths_of_task = 4096;   // paths of one task, about
 }   // namespace
 
-IrradiancePoint irradiance_point(const shading::SurfacePoint& s, std::uint64_t key)
+IrradiancePoint irradiance_point(const shading::SurfacePoint& s, const glm::vec3& smooth_origin, std::uint64_t key)
 {
-    return {s.position, s.geometric_normal, s.normal, s.offset, key};
+    return {s.position, s.geometric_normal, s.normal, s.offset, key, s.smooth_normal, smooth_origin};
 }
 
 IrradiancePoint irradiance_point(const scene::Scene& scene, const ray::RayScene& rays, scene::ObjectId object,
@@ -23,7 +23,7 @@ IrradiancePoint irradiance_point(const scene::Scene& scene, const ray::RayScene&
 {
     shading::SurfacePoint surface;
     shading::surface_at(scene, rays.geometry(object), triangle, u, v, 0, -to_viewer, {}, surface);
-    return irradiance_point(surface, key);
+    return irradiance_point(surface, shading::smooth_origin(rays.geometry(object), triangle, u, v, surface), key);
 }
 
 ReferenceLight::ReferenceLight(const scene::SceneState& state, const ray::RayScene& rays,

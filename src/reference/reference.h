@@ -60,13 +60,17 @@ struct IrradiancePoint {
     glm::vec3 normal{0};             // unit, shading; on that side too
     float offset = 0;                // how far along the geometric normal rays must start
     std::uint64_t key = 0;           // seed of its random numbers, with ReferenceOptions::seed
+    // Of smooth meshes (shading::SurfacePoint::smooth_normal, shading::smooth_origin()). Normal 0: of no use.
+    glm::vec3 smooth_normal{0}, smooth_origin{0};
 };
 
 /// The point of a triangle that a ray met at (1-u-v) p0 + u p1 + v p2, on the side towards `to_viewer`.
 IrradiancePoint irradiance_point(const scene::Scene& scene, const ray::RayScene& rays, scene::ObjectId object,
                                  std::uint32_t triangle, float u, float v, const glm::vec3& to_viewer,
                                  std::uint64_t key);
-IrradiancePoint irradiance_point(const shading::SurfacePoint& surface, std::uint64_t key);
+/// @param smooth_origin  shading::smooth_origin()
+IrradiancePoint irradiance_point(const shading::SurfacePoint& surface, const glm::vec3& smooth_origin,
+                                 std::uint64_t key);
 
 /// Irradiance at a point, without the direct light of the lights.
 struct IrradianceEstimate {
@@ -137,11 +141,18 @@ class ReferencePaths {
         Random random;
         glm::vec3 position, origin;   // the surface point; the origin of rays from it
         glm::vec3 geometric_normal, normal;
-        glm::vec3 weight;      // throughput: irradiance at the path's start per irradiance here
-        glm::vec3 direction;   // of its next ray
+        glm::vec3 smooth_normal, smooth_origin;   // of the smooth horizon, and of rays between it and the triangle's
+        glm::vec3 weight;                         // throughput: irradiance at the path's start per irradiance here
+        glm::vec3 direction;                      // of its next ray
         glm::vec3 indirect, surroundings;
         bool aff = false;                                // the surface counts irradiance as AFF does
         const shading::SurfacePoint* glossy = nullptr;   // of a path that starts at a lobe, and ends with its first ray
+
+        bool is_above(const glm::vec3& way) const { return glm::dot(way, smooth_normal) > 0; }
+        const glm::vec3& origin_to(const glm::vec3& way) const
+        {
+            return glm::dot(way, geometric_normal) > 0 ? origin : smooth_origin;
+        }
     };
     class Sum;
     void push_first(const Request& request, int batch, std::uint32_t u, std::uint32_t v, int sample);

@@ -135,10 +135,12 @@ void ReferencePaths::push_first(const Request& request, int batch, std::uint32_t
     const IrradiancePoint& point = request.point;
     const std::uint64_t stream = mix(light_.options_.seed, point.key);
     const std::uint64_t flip = mix(stream, static_cast<std::uint64_t>(batch));
-    Path& path =
-        paths_.emplace_back(Path{Random(mix(flip, static_cast<std::uint64_t>(sample))), point.position,
-                                 point.position + point.offset * point.geometric_normal, point.geometric_normal,
-                                 point.normal, glm::vec3(1), glm::vec3(0), glm::vec3(0), glm::vec3(0)});
+    Path& path = paths_.emplace_back(Path{Random(mix(flip, static_cast<std::uint64_t>(sample))), point.position,
+                                          point.position + point.offset * point.geometric_normal,
+                                          point.geometric_normal, point.normal, point.smooth_normal,
+                                          point.smooth_origin, glm::vec3(1), glm::vec3(0), glm::vec3(0), glm::vec3(0)});
+    if (path.smooth_normal == glm::vec3(0))
+        path.smooth_normal = path.geometric_normal, path.smooth_origin = path.origin;
     const float a = unit_fraction(u ^ static_cast<std::uint32_t>(flip));
     const float b = unit_fraction(v ^ static_cast<std::uint32_t>(flip >> 32));
     path.glossy = request.glossy;
@@ -201,8 +203,8 @@ void ReferencePaths::ask_environment(int bounce)
         float density;
         const glm::vec3 direction = light_.environment_->sample(u, v, density);
         const float cosine = glm::dot(direction, path.normal);
-        if (cosine <= 0 || glm::dot(direction, path.geometric_normal) <= 0 || !(density > 0)) continue;
-        shadow_rays_.push(path.origin, 0, direction, k_infinity);
+        if (cosine <= 0 || !path.is_above(direction) || !(density > 0)) continue;
+        shadow_rays_.push(path.origin_to(direction), 0, direction, k_infinity);
         shadow_path_.push_back(i);
         shadow_gain_.push_back(response(path, direction) * light_.background_.radiance(direction) /
                                (density + own_density(path, direction)));
@@ -219,12 +221,13 @@ void ReferencePaths::ask_emitters(int bounce)
         Path& path = paths_[i];
         const float u = path.random.uniform(), v = path.random.uniform(), w = path.random.uniform();
         const EmitterPoint point = light_.emitters_->sample(u, v, w);
-        const glm::vec3 to_point = point.position - path.origin;
+        const glm::vec3& origin = path.origin_to(point.position - path.position);
+        const glm::vec3 to_point = point.position - origin;
         const float distance = glm::length(to_point);
         if (!(distance > 0)) continue;
         const glm::vec3 direction = to_point / distance;
-        if (glm::dot(direction, path.normal) <= 0 || glm::dot(direction, path.geometric_normal) <= 0) continue;
-        rays_.push(path.origin, 0, direction, k_infinity);
+        if (glm::dot(direction, path.normal) <= 0 || !path.is_above(direction)) continue;
+        rays_.push(origin, 0, direction, k_infinity);
         ray_path_.push_back(i);
         emitter_points_.push_back(point);
     }
@@ -267,8 +270,8 @@ bool ReferencePaths::trace_on(int bounce)
     for (const std::uint32_t i : standing_) {
         const Path& path = paths_[i];
         // A direction above the shading normal's horizon may lie below the surface's.
-        if (glm::dot(path.direction, path.geometric_normal) <= 0) continue;
-        rays_.push(path.origin, 0, path.direction, k_infinity);
+        if (!path.is_above(path.direction)) continue;
+        rays_.push(path.origin_to(path.direction), 0, path.direction, k_infinity);
         ray_path_.push_back(i);
     }
     standing_.clear();
@@ -325,6 +328,10 @@ bool ReferencePaths::trace_on(int bounce)
         path.position = s.position;
         path.origin = s.position + s.offset * s.geometric_normal;
         path.geometric_normal = s.geometric_normal, path.normal = s.normal;
+        path.smooth_normal = s.smooth_normal, path.smooth_origin = path.origin;
+        if (s.smooth_normal != s.geometric_normal)
+            path.smooth_origin = shading::smooth_origin(light_.rays_.geometry(hits_.object[r]), hits_.triangle[r],
+                                                        hits_.u[r], hits_.v[r], s);
         // AFF's lights lack a factor of pi.
         path.aff = s.model == scene::ShadingModel::whitted;
         standing_.push_back(ray_path_[r]);
@@ -411,7 +418,7 @@ void ReferencePaths::ask_lights()
             const scene::LightId l = light_.lights_[k];
             const scene::LightSample sample = scene::illuminate(scene.lights[l], light_.state_.light(l), path.position);
             const float cosine = glm::dot(sample.to_light, path.normal);
-            const bool faces = cosine > 0 && glm::dot(sample.to_light, path.geometric_normal) > 0;
+            const bool faces = cosine > 0 && path.is_above(sample.to_light);
             light_chance_[k] = faces ? cosine * luminance(sample.irradiance) : 0;
             sum += light_chance_[k];
         }
@@ -430,7 +437,8 @@ void ReferencePaths::ask_lights()
         const scene::LightState& at = light_.state_.light(l);
         const scene::LightSample sample = scene::illuminate(scene.lights[l], at, path.position);
         const bool directional = scene.lights[l].type == scene::LightType::directional;
-        glm::vec3 way = directional ? -at.direction : at.position - path.origin;
+        const glm::vec3& origin = path.origin_to(sample.to_light);
+        glm::vec3 way = directional ? -at.direction : at.position - origin;
         if (directional && light_.options_.sun_diameter > 0 && !scene.lights[l].of_environment) {
             // A direction of the disc; below the horizon, it brings nothing.
             glm::vec3 across, up;
@@ -438,10 +446,11 @@ void ReferencePaths::ask_lights()
             const float reach = static_cast<float>(std::tan(0.5 * light_.options_.sun_diameter));
             const float r = reach * std::sqrt(path.random.uniform()), turn = 2 * k_float_pi * path.random.uniform();
             way = glm::normalize(way + r * std::cos(turn) * across + r * std::sin(turn) * up);
-            if (glm::dot(way, path.geometric_normal) <= 0 || glm::dot(way, path.normal) <= 0) continue;
+            if (!path.is_above(way) || glm::dot(way, path.normal) <= 0) continue;
         }
         const float cosine = glm::dot(directional ? way : sample.to_light, path.normal);
-        shadow_rays_.push(path.origin, 0, way, directional ? k_infinity : ray::k_shadow_ray_end);
+        shadow_rays_.push(directional ? path.origin_to(way) : origin, 0, way,
+                          directional ? k_infinity : ray::k_shadow_ray_end);
         shadow_path_.push_back(i);
         const bool lacks_pi = path.aff && !scene.lights[l].of_environment;
         const float factor = (lacks_pi ? k_float_pi : 1.0f) * cosine * (sum / light_chance_[chosen]);

@@ -136,7 +136,7 @@ bool has_glossy_lobe(const SurfacePoint& s)
 glm::vec3 reflect_glossy(const SurfacePoint& s, const glm::vec3& to_light)
 {
     const float n_l = glm::dot(s.normal, to_light), n_v = glm::dot(s.normal, s.to_viewer);
-    if (n_l <= 0 || glm::dot(s.geometric_normal, to_light) <= 0) return glm::vec3(0);
+    if (n_l <= 0 || glm::dot(s.smooth_normal, to_light) <= 0) return glm::vec3(0);
     const glm::vec3 half = glm::normalize(to_light + s.to_viewer);
     const float n_h = std::clamp(glm::dot(s.normal, half), 0.0f, 1.0f), v_h = glm::dot(s.to_viewer, half);
     const float alpha = alpha_of(s.roughness), a2 = alpha * alpha;

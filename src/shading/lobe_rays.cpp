@@ -68,8 +68,9 @@ std::size_t lobe_rays(const SurfacePoint& s, std::uint32_t first, const glm::uve
         const float u = fraction(reversed_bits(i) ^ flip.x), v = fraction(second_dimension(i) ^ flip.y);
         const glm::vec3 direction = sample_glossy(s, u, v);
         const float density = glossy_density(s, direction);
-        if (!(density > 0)) continue;
-        const glm::vec3 weight = reflect_glossy(s, direction) / density;   // 0 below the surface
+        // A ray below the triangle's plane would meet the triangle.
+        if (!(density > 0) || glm::dot(s.geometric_normal, direction) <= 0) continue;
+        const glm::vec3 weight = reflect_glossy(s, direction) / density;   // 0 below the shading normal's plane
         if (weight == glm::vec3(0)) continue;
         sum += weight;
         rays[count++] = {direction, weight};

@@ -110,9 +110,9 @@ Clipped seen_from(const glm::vec3& position, const glm::vec3* corner, int count)
 // Clips at both horizons. Returns false if nothing is left.
 bool clip_at_horizons(const SurfacePoint& s, Clipped& polygon)
 {
-    polygon = clip(polygon, glm::dvec3(s.geometric_normal));
+    polygon = clip(polygon, glm::dvec3(s.smooth_normal));
     if (polygon.count < 3) return false;
-    if (s.normal != s.geometric_normal) polygon = clip(polygon, glm::dvec3(s.normal));
+    if (s.normal != s.smooth_normal) polygon = clip(polygon, glm::dvec3(s.normal));
     return polygon.count >= 3;
 }
 
@@ -159,7 +159,7 @@ class PlaceWeights {
         if (!(square > 0)) return false;
         const glm::vec3 direction = to_place / std::sqrt(square);
         const float cosine = glm::dot(direction, s_.normal);
-        if (!(cosine > 0) || !(glm::dot(direction, s_.geometric_normal) > 0)) return false;
+        if (!(cosine > 0) || !(glm::dot(direction, s_.smooth_normal) > 0)) return false;
         const scene::SizedFace& face = light_.faces[place.face];
         const float emitted = -glm::dot(direction, face.normal);
         if (!(face.two_sided ? std::abs(emitted) > 0 : emitted > 0)) return false;
@@ -191,7 +191,7 @@ UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light
 {
     // Nothing of a light behind the horizon arrives.
     const glm::vec3 to_centre = light.centre - s.position;
-    if (glm::dot(to_centre, s.geometric_normal) < -light.radius || glm::dot(to_centre, s.normal) < -light.radius)
+    if (glm::dot(to_centre, s.smooth_normal) < -light.radius || glm::dot(to_centre, s.normal) < -light.radius)
         return {};
 
     // Sum a distant cluster of many faces over its places.

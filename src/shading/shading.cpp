@@ -15,11 +15,12 @@ constexpr float k_min_alpha = 2e-3f;          // smallest GGX alpha; at 0, the h
 constexpr float k_mirror_roughness = 0.12f;   // up to here reflections are sharp, and one ray gets all of them
 constexpr float k_matte_roughness = 0.45f;    // from here on reflections are too blurred for one ray
 
-// Fades out light above the shading normal's horizon but near the geometric one [Chiang et al. 2019, eq. 4].
-float soften_terminator(float cos_geometric, float cos_shading, float cos_between)
+// Fades out light above the shading normal's horizon but near that of vertex normals [Chiang et al. 2019, eq. 4].
+// DEVIATION(Chiang2019, eq. 4): the horizon is the smooth one, not the triangle's, which would show facets.
+float soften_terminator(float cos_horizon, float cos_shading, float cos_between)
 {
     if (cos_between >= 0.99999f) return 1;
-    const float g = std::min(1.0f, cos_geometric / std::max(cos_shading * cos_between, 1e-6f));
+    const float g = std::min(1.0f, cos_horizon / std::max(cos_shading * cos_between, 1e-6f));
     return g * (1 + g * (1 - g));
 }
 
@@ -117,9 +118,9 @@ float fresnel_dielectric(float cosine, float eta)
 glm::vec3 reflect_light(const SurfacePoint& s, const glm::vec3& to_light, const glm::vec3& irradiance)
 {
     const float cosine = glm::dot(s.normal, to_light);
-    const float cos_geometric = glm::dot(s.geometric_normal, to_light);
-    if (cosine <= 0 || cos_geometric <= 0) return glm::vec3(0);
-    const float soft = soften_terminator(cos_geometric, cosine, glm::dot(s.normal, s.geometric_normal));
+    const float cos_horizon = glm::dot(s.smooth_normal, to_light);
+    if (cosine <= 0 || cos_horizon <= 0) return glm::vec3(0);
+    const float soft = soften_terminator(cos_horizon, cosine, glm::dot(s.normal, s.smooth_normal));
     if (s.catches_shadows) return s.diffuse * irradiance * (k_inverse_pi * cosine * s.coverage);
     const glm::vec3 reflectance =
         s.model == scene::ShadingModel::whitted ? phong(s, to_light, cosine) : ggx(s, to_light, cosine);
@@ -130,9 +131,9 @@ glm::vec3 reflect_light(const SurfacePoint& s, const glm::vec3& to_light, const 
 glm::vec3 reflect_surroundings(const SurfacePoint& s, const glm::vec3& to_light, const glm::vec3& irradiance)
 {
     const float cosine = glm::dot(s.normal, to_light);
-    const float cos_geometric = glm::dot(s.geometric_normal, to_light);
-    if (cosine <= 0 || cos_geometric <= 0) return glm::vec3(0);
-    const float soft = soften_terminator(cos_geometric, cosine, glm::dot(s.normal, s.geometric_normal));
+    const float cos_horizon = glm::dot(s.smooth_normal, to_light);
+    if (cosine <= 0 || cos_horizon <= 0) return glm::vec3(0);
+    const float soft = soften_terminator(cos_horizon, cosine, glm::dot(s.normal, s.smooth_normal));
     glm::vec3 reflectance = s.diffuse * k_inverse_pi;
     if (s.model != scene::ShadingModel::whitted && !s.catches_shadows) {
         const glm::vec3 half = glm::normalize(to_light + s.to_viewer);

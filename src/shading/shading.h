@@ -10,9 +10,9 @@
 
 namespace gnomon::shading {
 
-/// Radiance towards the viewer by light from one direction. It is black where the light is behind the geometric
-/// surface. Near the geometric horizon of a smooth-shaded surface the light fades out, so that its facets do not show
-/// as a jagged terminator [Chiang et al. 2019].
+/// Radiance towards the viewer by light from one direction. It is black where the light is below the smooth horizon
+/// (SurfacePoint::smooth_normal). Where a normal map turns the normal, the light fades out above this horizon
+/// [Chiang et al. 2019].
 /// @param to_light    unit
 /// @param irradiance  on a surface that faces the light
 glm::vec3 reflect_light(const SurfacePoint& s, const glm::vec3& to_light, const glm::vec3& irradiance);

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "ray/origin.h"
+#include "ray/smooth_surface.h"
 #include "scene/footprint.h"
 #include "scene/material_layers.h"
 #include "shading/layers.h"
@@ -24,6 +25,7 @@ glm::vec3 unit_or(const glm::vec3& v, const glm::vec3& otherwise)
 // The triangle's data for texture look-ups.
 struct TextureFrame {
     const scene::Scene& scene;
+    const ray::ObjectGeometry& geometry;
     const scene::Mesh& mesh;
     glm::uvec3 index;
     float u, v;
@@ -78,29 +80,55 @@ void find_footprint(const glm::vec3 (&p)[3], float double_area, const glm::vec3&
     frame.across = across * glm::vec2(-glm::dot(e2, forward), glm::dot(e1, forward));
 }
 
-// Perturbs the shading normal by a normal map, in the tangent frame of the texture coordinates on the triangle,
-// including the texture's transform; or in the frame of the file's own tangents, which ignore that transform.
-glm::vec3 mapped_normal(const scene::TextureUse& use, float normal_scale, const TextureFrame& frame,
-                        const glm::vec3 (&p)[3], const glm::vec3& normal, bool front)
+// The tangent frame of normal maps across a normal; unit vectors, or 0 where there is none.
+struct Tangents {
+    glm::vec3 along{0}, up{0};   // of red, of green
+};
+
+// That of the file's own tangents, which ignore the texture's transform [glTF 2.0, 3.7.2.1].
+Tangents file_tangents(const TextureFrame& frame, const glm::vec3& normal, bool front)
+{
+    const glm::vec4* t = frame.geometry.tangents;
+    const glm::vec4 mean = std::max(0.0f, 1 - frame.u - frame.v) * t[frame.index[0]] + frame.u * t[frame.index[1]] +
+                           frame.v * t[frame.index[2]];
+    glm::vec3 along(mean);
+    if (frame.geometry.to_world) along = glm::mat3(*frame.geometry.to_world) * along;
+    along = unit_or(along - normal * glm::dot(normal, along), glm::vec3(0));
+    // A mirrored mesh has a mirrored frame, too.
+    const bool turned = (mean.w < 0) != frame.geometry.mirrored;
+    return {along, glm::cross(normal, along) * (turned == front ? -1.0f : 1.0f)};
+}
+
+// That of the texture coordinates on the triangle, with the texture's transform.
+Tangents texture_tangents(const scene::TextureUse& use, const TextureFrame& frame, const glm::vec3 (&p)[3],
+                          const glm::vec3& normal)
 {
     const auto& t = frame.mesh.texcoords[use.texcoord];
-    glm::vec2 a = t[frame.index[1]] - t[frame.index[0]], b = t[frame.index[2]] - t[frame.index[0]];
-    if (frame.mesh.tangents.empty()) a = scene::apply_to_step(use, a), b = scene::apply_to_step(use, b);
+    const glm::vec2 a = scene::apply_to_step(use, t[frame.index[1]] - t[frame.index[0]]),
+                    b = scene::apply_to_step(use, t[frame.index[2]] - t[frame.index[0]]);
     const float determinant = a.x * b.y - a.y * b.x;
-    if (determinant == 0) return normal;
+    if (determinant == 0) return {};
     const glm::vec3 e1 = p[1] - p[0], e2 = p[2] - p[0];
     const glm::vec3 along_u = (e1 * b.y - e2 * a.y) / determinant;
     const glm::vec3 along_v = (e2 * a.x - e1 * b.x) / determinant;
+    const glm::vec3 along = unit_or(along_u - normal * glm::dot(normal, along_u), glm::vec3(0));
     // In glTF, green points up, against v, which runs down.
-    const glm::vec3 tangent = unit_or(along_u - normal * glm::dot(normal, along_u), glm::vec3(0));
-    glm::vec3 bitangent = glm::cross(normal, tangent);
-    if (glm::dot(bitangent, along_v) > 0) bitangent = -bitangent;
-    if (tangent == glm::vec3(0)) return normal;
+    const glm::vec3 up = glm::cross(normal, along);
+    return {along, glm::dot(up, along_v) > 0 ? -up : up};
+}
+
+// Perturbs the shading normal by a normal map.
+glm::vec3 mapped_normal(const scene::TextureUse& use, float normal_scale, const TextureFrame& frame,
+                        const glm::vec3 (&p)[3], const glm::vec3& normal, bool front)
+{
+    const Tangents tangents =
+        frame.geometry.tangents ? file_tangents(frame, normal, front) : texture_tangents(use, frame, p, normal);
+    if (tangents.along == glm::vec3(0)) return normal;
     const glm::vec4 texel = frame.look_up(use);
     // A bump on the front is a dent on the back [glTF 2.0, 3.9.6: the whole normal is reversed].
     const float scale = front ? normal_scale : -normal_scale;
     const glm::vec3 n = glm::vec3(2 * texel.x - 1, 2 * texel.y - 1, 2 * texel.z - 1) * glm::vec3(scale, scale, 1);
-    return unit_or(tangent * n.x + bitangent * n.y + normal * n.z, normal);
+    return unit_or(tangents.along * n.x + tangents.up * n.y + normal * n.z, normal);
 }
 
 void fill_whitted(const scene::Material& material, const TextureFrame& frame, SurfacePoint& s)
@@ -230,9 +258,15 @@ void fill_layers(const scene::MaterialLayers& m, const TextureFrame& frame, cons
         }
         const float c = std::cos(m.anisotropy_rotation), sn = std::sin(m.anisotropy_rotation);
         way = {c * way.x - sn * way.y, sn * way.x + c * way.y};
-        glm::vec3 tangent = tangent_of(m.anisotropy_texture, frame, p, s.normal), unused;
-        if (tangent == glm::vec3(0)) make_basis(s.normal, tangent, unused);
-        layers.grain = unit_or(way.x * tangent + way.y * glm::cross(s.normal, tangent), tangent);
+        Tangents tangents;
+        if (frame.geometry.tangents) {
+            tangents = file_tangents(frame, s.normal, s.front);
+        } else {
+            tangents.along = tangent_of(m.anisotropy_texture, frame, p, s.normal);
+            tangents.up = glm::cross(s.normal, tangents.along);
+        }
+        if (tangents.along == glm::vec3(0)) make_basis(s.normal, tangents.along, tangents.up);
+        layers.grain = unit_or(way.x * tangents.along + way.y * tangents.up, tangents.along);
     }
     layers.thin = m.thin_walled;
     layers.absorption = m.absorption();
@@ -297,7 +331,7 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
 
     s.cone.width = cone.width + distance * cone.spread;
     s.cone.spread = cone.spread;
-    TextureFrame frame{scene, mesh, index, u, v};
+    TextureFrame frame{scene, geometry, mesh, index, u, v};
     if (is_textured(material)) find_footprint(p, double_area, s.geometric_normal, direction, s.cone.width, frame);
     const glm::vec3 smooth_normal = s.normal;
     if (frame.has(material.normal_texture))
@@ -305,6 +339,8 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
 
     // Bend a shading normal that looks away from the viewer back to the horizon.
     s.normal = to_viewers_side(s, s.normal);
+    s.smooth_normal = s.geometric_normal;
+    if (geometry.normals) s.smooth_normal = ray::smooth_horizon(s.geometric_normal, to_viewers_side(s, smooth_normal));
 
     s.model = material.model;
     s.catches_shadows = material.catches_shadows;
@@ -319,6 +355,12 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
                                         material.layers->clearcoat_normal_scale, frame, p, smooth_normal, s.front);
         fill_layers(*material.layers, frame, p, to_viewers_side(s, coat_normal), s);
     }
+}
+
+glm::vec3 smooth_origin(const ray::ObjectGeometry& geometry, std::uint32_t triangle, float u, float v,
+                        const SurfacePoint& s)
+{
+    return s.position + s.offset * s.geometric_normal + ray::smooth_lift(geometry, triangle, u, v, s.geometric_normal);
 }
 
 }   // namespace gnomon::shading

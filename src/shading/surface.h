@@ -36,7 +36,10 @@ struct SurfacePoint {
     glm::vec3 position{0};
     glm::vec3 geometric_normal{0};   // unit, on the side the ray came from
     glm::vec3 normal{0};             // unit, shading; on that side too
-    glm::vec3 to_viewer{0};          // unit
+    // Unit: the normal of the smooth horizon (ray/smooth_surface.h), without a normal map; on that side too. Without
+    // vertex normals, the geometric one.
+    glm::vec3 smooth_normal{0};
+    glm::vec3 to_viewer{0};      // unit
     bool winding_front = true;   // that side is the front by world-space winding (differs from `front` under mirroring)
     bool front = true;           // the ray hit the front
     bool catches_shadows = false;   // see scene::Material
@@ -66,5 +69,17 @@ struct SurfacePoint {
 /// @param cone       at the ray's origin
 void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, std::uint32_t triangle, float u,
                 float v, float distance, const glm::vec3& direction, const RayCone& cone, SurfacePoint& s);
+
+/// Where rays to directions between the horizon of the triangle and the smooth one start (ray/smooth_surface.h). Other
+/// rays start at the surface, at SurfacePoint::offset.
+/// @param s  the surface at the hit
+glm::vec3 smooth_origin(const ray::ObjectGeometry& geometry, std::uint32_t triangle, float u, float v,
+                        const SurfacePoint& s);
+
+/// Whether a direction is above the smooth horizon and below the triangle's.
+inline bool between_horizons(const SurfacePoint& s, const glm::vec3& direction)
+{
+    return glm::dot(s.smooth_normal, direction) > 0 && !(glm::dot(s.geometric_normal, direction) > 0);
+}
 
 }   // namespace gnomon::shading

@@ -175,7 +175,7 @@ struct Table {
             for (int column = k_columns - 1; column >= 0; --column) {
                 const double n_v = cosine_of_column(column);
                 SurfacePoint s;
-                s.geometric_normal = s.normal = {0, 0, 1};
+                s.geometric_normal = s.normal = s.smooth_normal = {0, 0, 1};
                 s.to_viewer = glm::vec3(glm::dvec3(std::sqrt(1 - n_v * n_v), 0, n_v));
                 s.specular = glm::vec3(1);
                 s.roughness = static_cast<float>(roughness);

@@ -133,10 +133,8 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
         const shading::SurfacePoint& s = batch.points[p].surface;
         if (s.model == scene::ShadingModel::unlit) continue;
         // A smooth surface shows the image in the rays that it reflects.
-        if (s.diffuse == glm::vec3(0) &&
-            (!shading::has_glossy_lobe(s) ||
-             (highlight_share(s) == 0 && batch.points[p].next.unresolved_weight == glm::vec3(0))))
-            continue;
+        const bool blurred = batch.points[p].next.unresolved_weight != glm::vec3(0);
+        if (s.diffuse == glm::vec3(0) && !blurred && highlight_share(s) == 0) continue;
         asked_.push_back(p);
     }
     if (asked_.empty()) return;
@@ -151,7 +149,13 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
     for (std::size_t k = 0; k < asked_.size(); ++k) {
         const TilePoint& point = batch.points[asked_[k]];
         const shading::SurfacePoint& s = point.surface;
-        const std::span<const std::uint64_t> seen = seen_.of(places_.place_of(k));
+        std::span<const std::uint64_t> seen = seen_.of(places_.place_of(k));
+        if (s.smooth_normal != s.geometric_normal) {
+            // Others may share the place.
+            smooth_seen_.assign(seen.begin(), seen.end());
+            light.mirrored().add(s.geometric_normal, s.smooth_normal, smooth_seen_);
+            seen = smooth_seen_;
+        }
         glm::vec3 radiance(0);
         const float highlight = highlight_share(s);
         const glm::vec3 albedo = highlight > 0 ? shading::glossy_albedo(s) : glm::vec3(0);
@@ -169,7 +173,7 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
             radiance += weight * light.light().seen_by({.to_viewer = s.to_viewer,
                                                         .mirrored = point.next.reflected,
                                                         .normal = s.normal,
-                                                        .geometric_normal = s.geometric_normal,
+                                                        .horizon = s.smooth_normal,
                                                         .roughness = s.roughness},
                                                        seen);
         if (passing_.any() && radiance != glm::vec3(0))
@@ -191,13 +195,40 @@ void EnvironmentLighting::light_by_suns(
         const environment_light::Sun& sun = *light.suns()[i];
         const scene::Light& source = state.scene().lights[sun.light];
         const glm::vec3 to_light = -state.light(sun.light).direction;
-        asked_.clear();
+        asked_.clear(), between_.clear(), between_points_.clear();
         for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
             const shading::SurfacePoint& s = batch.points[p].surface;
             if (s.model == scene::ShadingModel::unlit) continue;
             // Up to the disc's rim.
-            if (glm::dot(s.normal, to_light) <= -reach || glm::dot(s.geometric_normal, to_light) <= -reach) continue;
-            asked_.push_back(p);
+            if (glm::dot(s.normal, to_light) <= -reach || glm::dot(s.smooth_normal, to_light) <= -reach) continue;
+            if (s.smooth_normal == s.geometric_normal || glm::dot(s.geometric_normal, to_light) >= reach) {
+                asked_.push_back(p);
+                continue;
+            }
+            // What is proven of triangles does not hold for a point above them.
+            const visibility::ShadowPoint& at = batch.shadow_points[p];
+            between_.push_back(p);
+            between_points_.push_back(
+                {.origin = shading::smooth_origin(rays_.geometry(at.object), at.triangle, at.u, at.v, s),
+                 .normal = s.smooth_normal});
+        }
+        const auto add_seen = [&](std::uint32_t p, const glm::vec3& origin, std::span<const std::uint64_t> seen) {
+            const TilePoint& point = batch.points[p];
+            float share = EnvironmentLight::visible_share(sun, point.surface.normal, seen);
+            if (share == 0) return;
+            glm::vec3 radiance = reflect_sun(sun, point.surface, to_light, source.color, seen, share);
+            if (passing_.any()) {
+                const glm::vec3 passes = passing_.from_cells(point.surface, origin, sun.cells, seen);
+                radiance *= passes, share *= luminance(passes);
+            }
+            add(point, radiance, sun.light, share);
+        };
+        if (!between_.empty()) {
+            between_asked_.resize(between_.size());
+            std::iota(between_asked_.begin(), between_asked_.end(), 0u);
+            sun.visibility->find(scratch_, between_points_, between_asked_, {}, nullptr, between_seen_);
+            for (std::size_t k = 0; k < between_.size(); ++k)
+                add_seen(between_[k], between_points_[k].origin, between_seen_.of(k));
         }
         if (asked_.empty()) continue;
         if (technique_.every_ray())
@@ -206,30 +237,30 @@ void EnvironmentLighting::light_by_suns(
             find_guides(batch, asked_);
         sun.visibility->find(scratch_, batch.shadow_points, asked_, guides_,
                              technique_.every_ray() ? nullptr : &technique_.memory(tile, static_cast<int>(i)), seen_);
-        for (std::size_t k = 0; k < asked_.size(); ++k) {
-            const TilePoint& point = batch.points[asked_[k]];
-            const std::span<const std::uint64_t> seen = seen_.of(k);
-            float share = EnvironmentLight::visible_share(sun, point.surface.normal, seen);
-            if (share == 0) continue;
-            const glm::vec3 passes =
-                passing_.from_cells(point.surface, batch.shadow_points[asked_[k]].origin, sun.cells, seen);
-            glm::vec3 radiance(0);
-            if (technique_.every_ray()) {
-                const glm::vec3 part = source.color / static_cast<float>(sun.cells.leaves());
-                for (std::size_t leaf = 0; leaf < sun.cells.leaves(); ++leaf)
-                    if (seen[leaf / 64] >> (leaf % 64) & 1)
-                        radiance += shading::reflect_light(point.surface, sun.cells.direction(leaf), part);
-            } else {
-                // The disc in a mirror is as bright as the top of a lobe that is half as wide as the disc.
-                shading::SurfacePoint s = point.surface;
-                const float alpha = s.roughness * s.roughness;
-                s.roughness = std::sqrt(std::sqrt(alpha * alpha + 0.25f * reach * reach));
-                radiance = share * shading::reflect_light(s, to_light, source.color);
-            }
-            if (passing_.any()) radiance *= passes, share *= luminance(passes);
-            add(point, radiance, sun.light, share);
-        }
+        for (std::size_t k = 0; k < asked_.size(); ++k)
+            add_seen(asked_[k], batch.shadow_points[asked_[k]].origin, seen_.of(k));
     }
+}
+
+// @param share  of the sun's light, that is visible
+glm::vec3 EnvironmentLighting::reflect_sun(const environment_light::Sun& sun, const shading::SurfacePoint& surface,
+                                           const glm::vec3& to_light, const glm::vec3& color,
+                                           std::span<const std::uint64_t> seen, float share) const
+{
+    if (technique_.every_ray()) {
+        const glm::vec3 part = color / static_cast<float>(sun.cells.leaves());
+        glm::vec3 radiance(0);
+        for (std::size_t leaf = 0; leaf < sun.cells.leaves(); ++leaf)
+            if (seen[leaf / 64] >> (leaf % 64) & 1)
+                radiance += shading::reflect_light(surface, sun.cells.direction(leaf), part);
+        return radiance;
+    }
+    // The disc in a mirror is as bright as the top of a lobe that is half as wide as the disc.
+    shading::SurfacePoint s = surface;
+    const auto reach = static_cast<float>(0.5 * technique_.light().options().sun_diameter);
+    const float alpha = s.roughness * s.roughness;
+    s.roughness = std::sqrt(std::sqrt(alpha * alpha + 0.25f * reach * reach));
+    return share * shading::reflect_light(s, to_light, color);
 }
 
 }   // namespace gnomon::trace

@@ -59,7 +59,7 @@ class EnvironmentTechnique {
 class EnvironmentLighting {
  public:
     EnvironmentLighting(EnvironmentTechnique& technique, const ray::RayScene& rays)
-        : technique_(technique), passing_(rays), places_(rays)
+        : technique_(technique), rays_(rays), passing_(rays), places_(rays)
     {
     }
     /// Calls add(point, radiance) with the light reflected at points of the batch towards the viewer, throughput left
@@ -80,8 +80,12 @@ class EnvironmentLighting {
 
  private:
     void find_guides(const PointBatch& batch, std::span<const std::uint32_t> points);
+    glm::vec3 reflect_sun(const environment_light::Sun& sun, const shading::SurfacePoint& surface,
+                          const glm::vec3& to_light, const glm::vec3& color, std::span<const std::uint64_t> seen,
+                          float share) const;
 
     EnvironmentTechnique& technique_;
+    const ray::RayScene& rays_;
     PassingLight passing_;
     SharedPlaces places_;
     environment_light::CellVisibility::Scratch scratch_;
@@ -91,6 +95,11 @@ class EnvironmentLighting {
     std::vector<std::uint32_t> asked_places_;         // all places
     std::vector<environment_light::Guides> guides_;   // by asked place or point; empty: none has any
     std::vector<std::uint32_t> asked_of_pixel_;
+    std::vector<std::uint64_t> smooth_seen_;   // of one point of a smooth mesh
+    // Points to which a sun's disc is partly behind the triangle, but not behind the smooth horizon.
+    std::vector<std::uint32_t> between_, between_asked_;
+    std::vector<visibility::ShadowPoint> between_points_;
+    environment_light::SeenCells between_seen_;
 };
 
 }   // namespace gnomon::trace

@@ -50,14 +50,18 @@ void FewPlaces::push(std::uint32_t light_index, std::size_t count, std::uint32_t
     asked_.push_back({places, first});
     seen_.resize(first + places.size(), 0);
     const shadow_culling::ShadowPoint& here = batch.shadow_points[point];
-    const glm::vec3& normal = batch.normals[point];
+    const shading::SurfacePoint& s = batch.points[point].surface;
+    const glm::vec3 above = s.smooth_normal == s.geometric_normal
+                                ? here.origin
+                                : shading::smooth_origin(rays_.geometry(here.object), here.triangle, here.u, here.v, s);
     for (std::size_t i = 0; i < places.size(); ++i) {
         // Skip places that do not face the point, or that it does not face: they have no weight.
         const scene::SizedFace& face = light.faces[places[i].face];
-        const glm::vec3 way = places[i].position - here.origin;
-        if (!(glm::dot(way, here.normal) > 0) || !(glm::dot(way, normal) > 0)) continue;
+        const glm::vec3& origin = shading::between_horizons(s, places[i].position - s.position) ? above : here.origin;
+        const glm::vec3 way = places[i].position - origin;
+        if (!(glm::dot(way, s.smooth_normal) > 0) || !(glm::dot(way, s.normal) > 0)) continue;
         if (!face.two_sided && !(glm::dot(way, face.normal) < 0)) continue;
-        queue_.push(here.origin, 0, way, ray::k_shadow_ray_end);
+        queue_.push(origin, 0, way, ray::k_shadow_ray_end);
         targets_.push_back(first + i);
     }
 }

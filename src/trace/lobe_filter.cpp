@@ -55,11 +55,19 @@ glm::vec3 LobeImage::filtered(int x, int y, const LobeFilterOptions& options) co
 void LobeImage::add_to(ImageF& color, float scale, Tasks& tasks, const LobeFilterOptions& options) const
 {
     GNOMON_CHECK(color.width == size_.width && color.height == size_.height);
-    tasks.for_each(static_cast<std::size_t>(size_.height), [&](std::size_t row, int) {
-        interruption_point();
-        const int y = static_cast<int>(row);
+    const auto for_each_row = [&](const auto& body) {
+        tasks.for_each(static_cast<std::size_t>(size_.height), [&](std::size_t row, int) {
+            interruption_point();
+            body(static_cast<int>(row));
+        });
+    };
+    LobeImage once = *this;
+    for_each_row([&](int y) {
+        for (int x = 0; x < size_.width; ++x) once.at(x, y).light = filtered(x, y, options);
+    });
+    for_each_row([&](int y) {
         for (int x = 0; x < size_.width; ++x) {
-            const glm::vec3 light = scale * filtered(x, y, options);
+            const glm::vec3 light = scale * once.filtered(x, y, options);
             float* const to = color.pixel(x, y);
             for (int c = 0; c < 3; ++c) to[c] += light[c];
         }

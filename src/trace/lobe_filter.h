@@ -7,7 +7,10 @@
 // neighbour's rays count as far as they could be the pixel's own: as far as its lobe points to the same surroundings,
 // compared with the lobe's width. A smooth mirror, a small sphere, or the foot of a wall therefore keeps to itself.
 //
-// Cost: up to 81 neighbours for each pixel that has a lobe.
+// Where few of the rays meet what is bright, the window's edges would show as a woven pattern: they pass over those rays
+// one by one. The window therefore slides twice, which makes its edges soft.
+//
+// Cost: twice up to 81 neighbours for each pixel that has a lobe.
 
 #include <vector>
 
@@ -42,9 +45,9 @@ class LobeImage {
     }
     LobePixel& at(int x, int y) { return pixels_[index(x, y)]; }
     const LobePixel& at(int x, int y) const { return pixels_[index(x, y)]; }
-    /// Adds each pixel's filtered light, times `scale`, to an image of the same size.
+    /// Adds each pixel's light, filtered twice and times `scale`, to an image of the same size.
     void add_to(ImageF& color, float scale, Tasks& tasks, const LobeFilterOptions& options = {}) const;
-    /// A pixel's filtered light.
+    /// A pixel's light, filtered once.
     glm::vec3 filtered(int x, int y, const LobeFilterOptions& options = {}) const;
 
  private:

@@ -18,7 +18,7 @@ glm::vec3 PassingLight::from_light(const shading::SurfacePoint& s, const glm::ve
         const scene::SizedPlace& place = light.places[i];
         const glm::vec3 way = place.position - origin;
         const float square = glm::dot(way, way), cosine = glm::dot(way, s.normal);
-        if (!(square > 0) || cosine <= 0 || glm::dot(way, s.geometric_normal) <= 0) continue;
+        if (!(square > 0) || cosine <= 0 || glm::dot(way, s.smooth_normal) <= 0) continue;
         queue_.push(origin, 0, way, ray::k_shadow_ray_end);
         weight_.push_back(place.area * luminance(place.radiance) * cosine / (square * square));
     }

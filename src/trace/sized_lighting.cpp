@@ -63,7 +63,7 @@ void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
         interruption_point();
         const scene::SizedLight& light = lights_.lights()[l];
         // Find the points that the light reaches if nothing occludes it.
-        fine_.clear(), dim_.clear(), points_.clear(), few_.clear();
+        fine_.clear(), dim_.clear(), between_.clear(), points_.clear(), few_.clear();
         for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
             const TilePoint& point = batch.points[p];
             const shading::SurfacePoint& s = point.surface;
@@ -76,6 +76,8 @@ void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
             if (few > 0) {
                 dim_.push_back({p, arrives});
                 few_.push(l, few, p, batch);
+            } else if (shading::is_partly_between(s, light)) {
+                between_.push_back({p, arrives});
             } else {
                 fine_.push_back({p, arrives});
                 points_.push_back(p);
@@ -100,6 +102,18 @@ void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
                 }
             }
             add_seen(batch, light, fine_[k], light_here, add);
+        }
+        for (const Asked& asked : between_) {
+            const shading::SurfacePoint& s = batch.points[asked.point].surface;
+            const visibility::ShadowPoint& at = batch.shadow_points[asked.point];
+            between_seen_.find(rays_, s, at.origin,
+                               shading::smooth_origin(rays_.geometry(at.object), at.triangle, at.u, at.v, s), light);
+            const shading::VisibleShare share =
+                shading::visible_share(s, light, between_seen_.places(), between_seen_.seen(),
+                                       shading::SeenBetween::k_whole, highlight_[asked.point] > 0);
+            shading::UnshadowedLight light_here = asked.arrives;
+            light_here.irradiance *= share.irradiance, light_here.lobe *= share.lobe;
+            add_seen(batch, light, asked, light_here, add);
         }
         few_.trace();
         for (std::size_t k = 0; k < dim_.size(); ++k) {

@@ -10,6 +10,7 @@
 
 #include <functional>
 
+#include "shading/between_horizons.h"
 #include "shading/polygon_light.h"
 #include "trace/few_places.h"
 #include "trace/passing_light.h"
@@ -25,7 +26,7 @@ float highlight_share(const shading::SurfacePoint& s);
 class SizedLighting {
  public:
     SizedLighting(const scene::SizedLights& lights, SizedVisibility& visibility, const ray::RayScene& rays)
-        : lights_(lights), visibility_(visibility.make_worker()), few_(lights, rays), passing_(rays)
+        : lights_(lights), visibility_(visibility.make_worker()), rays_(rays), few_(lights, rays), passing_(rays)
     {
     }
     /// Calls add(point, radiance) with the light reflected at points of the batch towards the viewer, throughput left
@@ -40,6 +41,7 @@ class SizedLighting {
  private:
     const scene::SizedLights& lights_;
     std::unique_ptr<SizedVisibility::Worker> visibility_;
+    const ray::RayScene& rays_;
     FewPlaces few_;
     PassingLight passing_;
     std::vector<float> highlight_;   // by point of the batch
@@ -51,7 +53,9 @@ class SizedLighting {
     void add_seen(const PointBatch& batch, const scene::SizedLight& light, const Asked& asked,
                   shading::UnshadowedLight seen, const std::function<void(const TilePoint&, const glm::vec3&)>& add);
 
-    std::vector<Asked> fine_, dim_;       // points that the present light could reach, by visibility
+    // Points that the present light could reach, by visibility; those between the horizons of smooth meshes apart.
+    std::vector<Asked> fine_, dim_, between_;
+    shading::SeenBetween between_seen_;
     std::vector<std::uint32_t> points_;   // of fine_
     SizedVisible visible_;
 };

@@ -67,6 +67,7 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
       indirect_(indirect ? indirect->make_worker() : nullptr),
       is_estimate_(indirect && indirect->is_estimate()),
       log_(log),
+      horizon_(frame.rays),
       lobes_(lobes)
 {
     if (options.max_depth > 0 && options.lobe_rays > 0)
@@ -322,6 +323,7 @@ void TileTracer::add_lights(const PointBatch& batch, Stopwatch& watch)
 {
     const std::size_t lights = scene_.lights.size();
     shadows_->prepare(batch);
+    horizon_.prepare(batch);
     watch.end(FrameTimes::shadows);
     for (std::size_t l = 0; l < lights; ++l) {
         const scene::Light& light = scene_.lights[l];
@@ -333,6 +335,7 @@ void TileTracer::add_lights(const PointBatch& batch, Stopwatch& watch)
         interruption_point();
         lit_.clear();
         shadows_->find_lit(batch, static_cast<scene::LightId>(l), lit_);
+        horizon_.add_lit(light, at, lit_);
         if (thins_light_) find_passing(light, at);
         watch.end(FrameTimes::shadows);
         for (std::size_t k = 0; k < lit_.size(); ++k) {
@@ -357,7 +360,8 @@ void TileTracer::find_passing(const scene::Light& light, const scene::LightState
     const float end = reach.directional() ? k_infinity : ray::k_shadow_ray_end;
     passing_.clear();
     for (const std::uint32_t p : lit_) {
-        const glm::vec3& origin = shadow_points_[p].origin;
+        const glm::vec3* smooth = horizon_.lit_origin(p);
+        const glm::vec3& origin = smooth ? *smooth : shadow_points_[p].origin;
         passing_.push(origin, 0, reach.from(origin), end);
     }
     passes_.resize(lit_.size());

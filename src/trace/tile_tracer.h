@@ -12,6 +12,7 @@
 #include "trace/lobe_filter.h"
 #include "trace/shadow_tester.h"
 #include "trace/sized_lighting.h"
+#include "trace/smooth_horizon.h"
 #include "trace/traced_frame.h"
 
 namespace gnomon::trace {
@@ -124,6 +125,7 @@ class TileTracer {
     std::vector<TilePoint> points_;
     std::vector<shadow_culling::ShadowPoint> shadow_points_;
     std::vector<glm::vec3> normals_;
+    SmoothHorizon horizon_;
     std::vector<std::uint32_t> lit_;   // points that the present light reaches
     bool thins_light_ = false;         // surfaces let a part of light through
     std::vector<glm::vec3> passes_;    // by lit point, with such surfaces

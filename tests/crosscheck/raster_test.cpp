@@ -232,7 +232,7 @@ TEST_F(RasterCrosscheck, ColoursOfAFloorToTheHorizonEqualTheTracedFrame)
     expect_same_light(test::floor_to_the_horizon(), 1, 0.98);
 }
 
-// Bumps, from the front and from behind; turned with their image, but not where the file has tangents.
+// Bumps, from the front and from behind; turned with their image, or by the file's tangents.
 TEST_F(RasterCrosscheck, ColoursOfNormalMapsEqualTheTracedFrame)
 {
     scene::Scene scene;
@@ -255,7 +255,7 @@ TEST_F(RasterCrosscheck, ColoursOfNormalMapsEqualTheTracedFrame)
         scene::Mesh mesh;
         mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
         mesh.texcoords[0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
-        if (i % 3 == 2) mesh.tangents.assign(4, {1, 0, 0, 1});
+        if (i % 3 == 2) mesh.tangents.assign(4, {std::cos(0.7f), std::sin(0.7f), 0, i < 3 ? 1 : -1});
         mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
         mesh.parts = {{i % 3 == 0 ? 0u : 1u, 0, 2}};
         scene.meshes.push_back(mesh);

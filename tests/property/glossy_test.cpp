@@ -17,7 +17,7 @@ namespace {
 shading::SurfacePoint surface(float roughness, float cosine, const glm::vec3& specular)
 {
     shading::SurfacePoint s;
-    s.normal = s.geometric_normal = {0, 0, 1};
+    s.normal = s.geometric_normal = s.smooth_normal = {0, 0, 1};
     s.to_viewer = {std::sqrt(1 - cosine * cosine), 0, cosine};
     s.specular = specular;
     s.roughness = roughness;

@@ -214,7 +214,7 @@ TEST(RoughReflections, NoNoiseOnAFloorThatReflectsAWall)
 shading::SurfacePoint surface(float roughness, float cosine)
 {
     shading::SurfacePoint s;
-    s.geometric_normal = s.normal = {0, 0, 1};
+    s.geometric_normal = s.normal = s.smooth_normal = {0, 0, 1};
     s.to_viewer = {std::sqrt(1 - cosine * cosine), 0, cosine};
     s.specular = {0.9f, 0.6f, 0.3f};
     s.roughness = roughness;
@@ -302,6 +302,23 @@ TEST(LobeFilter, InterleavedPatternsVanish)
     const trace::LobeImage image = plane(32, 0.2f);
     for (int y = 8; y < 24; ++y)
         for (int x = 8; x < 24; ++x) EXPECT_NEAR(image.filtered(x, y).x, 0.5f * 31.5f, 1e-3f);
+}
+
+// One ray in eight columns meets something bright, from the middle of the image on.
+TEST(LobeFilter, EdgesOfTheWindowDoNotShow)
+{
+    trace::LobeImage image = plane(64, 0.2f);
+    for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 64; ++x) image.at(x, y).light = glm::vec3(x >= 32 && x % 8 == 3 ? 8.0f : 0.0f);
+    ImageF filtered(64, 64, 3);
+    Tasks tasks(1);
+    image.add_to(filtered, 1, tasks);
+    EXPECT_NEAR(filtered.pixel(16, 32)[0], 0, 1e-6f);
+    EXPECT_NEAR(filtered.pixel(48, 32)[0], 1, 1e-3f);
+    for (int x = 8; x < 56; ++x) {
+        const float step = filtered.pixel(x + 1, 32)[0] - filtered.pixel(x, 32)[0];
+        EXPECT_LT(std::abs(step), 0.15f) << x;   // .5 if the window slid once
+    }
 }
 
 TEST(LobeFilter, KeepsApartWhatReflectsOtherSurroundings)

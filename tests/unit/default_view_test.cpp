@@ -157,6 +157,31 @@ TEST(Surroundings, OwnLightsSufficeIfTheyReachHalfOfWhatIsInView)
     }
 }
 
+// The top of a box is lit, and its sides ten thousand times less, or a tenth as much.
+TEST(Surroundings, WhatShowsBlackBesideTheRestIsNotReached)
+{
+    for (const bool dim : {true, false}) {
+        Mesh mesh;
+        add_box(mesh, {-1, 0, -1}, {2, 1, 2}, false);
+        Scene scene = scene_of(mesh);
+        const auto add_sun = [&](const glm::dvec3& towards, float lux) {
+            Light light;
+            light.type = LightType::directional;
+            light.color = glm::vec3(lux);
+            light.node = scene.add_node("sun", none);
+            const glm::dvec3 back = glm::normalize(towards), right = glm::normalize(glm::cross({0, 0, 1}, back));
+            scene.nodes[light.node].local =
+                glm::dmat4(glm::dmat3(right, glm::cross(back, right), back));   // it shines along its -Z
+            scene.lights.push_back(light);
+        };
+        add_sun({0, 1, 1e-9}, 10);
+        add_sun({1, 0.1, 1}, dim ? 1e-3f : 1.0f);
+        scene.finish();
+        add_default_camera(scene);
+        EXPECT_EQ(share_reached(scene) < 0.5f, dim);
+    }
+}
+
 TEST(Surroundings, LandscapesLieUnderTheSky)
 {
     Mesh mesh;

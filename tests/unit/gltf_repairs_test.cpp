@@ -74,6 +74,24 @@ TEST(GltfRepairs, TangentsWithoutADirectionLieAcrossTheNormal)
     EXPECT_EQ(s.meshes.at(0).tangents.at(2), glm::vec4(1, 0, 0, 1));
 }
 
+TEST(GltfRepairs, ColoursThatNobodyPaintedAreWhite)
+{
+    Document d;
+    const int p = d.positions(k_triangle);
+    const int partly = d.floats({0, 0, 0, 0, 1, 0, 0, 1, 0, 0, 0, 1}, "VEC4", 4);
+    const int without_opacity = d.floats({0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0}, "VEC4", 4);
+    const auto mesh = [&](int colors) {
+        return one_mesh(fmt::format(R"({{"attributes":{{"POSITION":{},"COLOR_0":{}}}}})", p, colors));
+    };
+    const scene::Scene s = d.load(mesh(partly));
+    EXPECT_EQ(s.meshes.at(0).colors, (std::vector<glm::vec4>{{1, 1, 1, 1}, {1, 0, 0, 1}, {0, 0, 0, 1}}));
+    ASSERT_EQ(s.warnings.size(), 1u);
+    EXPECT_NE(s.warnings[0].find("1 vertex whose colour is zero, opacity included: taken as white"), std::string::npos);
+    // The format allows them.
+    EXPECT_EQ(d.load(mesh(partly), "", {.strict = true}).meshes.at(0).colors.at(0), glm::vec4(0));
+    EXPECT_EQ(d.load(mesh(without_opacity)).meshes.at(0).colors.at(0), glm::vec4(0));
+}
+
 TEST(GltfRepairs, EmptyArraysAreAbsent)
 {
     const Document d;

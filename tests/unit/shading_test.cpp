@@ -11,7 +11,7 @@ namespace {
 SurfacePoint flat(scene::ShadingModel model)
 {
     SurfacePoint s;
-    s.geometric_normal = s.normal = {0, 0, 1};
+    s.geometric_normal = s.normal = s.smooth_normal = {0, 0, 1};
     s.to_viewer = glm::normalize(glm::vec3(0.3f, 0, 1));
     s.model = model;
     s.diffuse = glm::vec3(0.5f);
@@ -127,12 +127,13 @@ TEST(Shading, BackdropEmitsItsAmbientColourOnly)
     EXPECT_EQ(ambient_light(s, scene, false), glm::vec3(0));
 }
 
-// A quad that faces +z, whose normal map tilts it against u everywhere, seen from the front or from behind.
-glm::vec3 mapped_normal(float rotation, bool own_tangents, bool front)
+// A triangle that faces +z, whose normal map tilts it along u everywhere, and a little upwards, seen from the front or
+// from behind. @param tangent  the file's own, if not 0
+glm::vec3 mapped_normal(float rotation, const glm::vec4& tangent, bool front, bool mirrored = false)
 {
     scene::Scene scene;
     Image8 leans(1, 1, 3);
-    const std::uint8_t texel[] = {218, 128, 218};
+    const std::uint8_t texel[] = {218, 138, 218};
     std::copy_n(texel, 3, leans.pixel(0, 0));
     scene.textures.emplace_back("leans", leans, false, scene::Sampler());
     scene::Material material;
@@ -143,12 +144,14 @@ glm::vec3 mapped_normal(float rotation, bool own_tangents, bool front)
     scene::Mesh mesh;
     mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}};
     mesh.texcoords[0] = {{0, 1}, {1, 1}, {1, 0}};
-    if (own_tangents) mesh.tangents.assign(3, {1, 0, 0, 1});
+    if (tangent != glm::vec4(0)) mesh.tangents.assign(3, tangent);
     mesh.triangles = {{0, 1, 2}};
     mesh.parts = {{0, 0, 1}};
     ray::ObjectGeometry geometry;
     geometry.mesh = &mesh;
     geometry.positions = mesh.positions.data();
+    geometry.tangents = mesh.tangents.empty() ? nullptr : mesh.tangents.data();
+    geometry.mirrored = mirrored;
     SurfacePoint s;
     surface_at(scene, geometry, 0, 0.3f, 0.3f, 1, {0, 0, front ? -1 : 1}, {}, s);
     return s.normal;
@@ -157,12 +160,31 @@ glm::vec3 mapped_normal(float rotation, bool own_tangents, bool front)
 TEST(Shading, NormalMapsRotateWithTheirImageAndFlipOnBackFaces)
 {
     const float half_turn = static_cast<float>(k_pi);
-    const glm::vec3 leans = mapped_normal(0, false, true);
+    const glm::vec4 none(0);
+    const glm::vec3 leans = mapped_normal(0, none, true);
     EXPECT_NEAR(leans.x, std::sqrt(0.5f), 0.01f);
+    EXPECT_GT(leans.y, 0.02f);
     EXPECT_GT(leans.z, 0);
-    EXPECT_LT(glm::length(mapped_normal(0, false, false) + leans), 1e-3f);   // a bump in front is a dent behind
-    EXPECT_LT(mapped_normal(half_turn, false, true).x, -0.7f);
-    EXPECT_GT(mapped_normal(half_turn, true, true).x, 0.7f);   // the file's own tangents are kept
+    EXPECT_LT(glm::length(mapped_normal(0, none, false) + leans), 1e-3f);   // a bump in front is a dent behind
+    EXPECT_LT(mapped_normal(half_turn, none, true).x, -0.69f);
+}
+
+TEST(Shading, NormalMapsFollowTheTangentsOfTheFile)
+{
+    const auto expect_near = [](const glm::vec3& got, const glm::vec3& expected) {
+        EXPECT_LT(glm::length(got - expected), 1e-3f) << got.x << ' ' << got.y << ' ' << got.z;
+    };
+    const glm::vec3 leans = mapped_normal(0, glm::vec4(0), true);
+    // Those along the texture coordinates say the same as these, whatever the texture's transform.
+    expect_near(mapped_normal(0, {1, 0, 0, 1}, true), leans);
+    expect_near(mapped_normal(static_cast<float>(k_pi), {1, 0, 0, 1}, true), leans);
+    expect_near(mapped_normal(0, {1, 0, 0, 1}, false), -leans);
+    // Others turn the bump; their sense mirrors it.
+    expect_near(mapped_normal(0, {0, 1, 0, 1}, true), {-leans.y, leans.x, leans.z});
+    expect_near(mapped_normal(0, {1, 0, 0, -1}, true), {leans.x, -leans.y, leans.z});
+    expect_near(mapped_normal(0, {1, 0, 0, -1}, false), {-leans.x, leans.y, -leans.z});
+    // Mirrored along z, its front faces -z, and what leans along x and y still does.
+    expect_near(mapped_normal(0, {1, 0, 0, 1}, false, true), {leans.x, leans.y, -leans.z});
 }
 
 }   // namespace

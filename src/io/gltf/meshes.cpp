@@ -89,7 +89,7 @@ class PieceReader {
             const std::string name = fmt::format("TEXCOORD_{}", set);
             if (p.has(name.c_str())) piece.texcoords[set] = vec2(p.find(name), at(attributes, name));
         }
-        if (p.has("COLOR_0")) piece.colors = vec4(p.find("COLOR_0"), at(attributes, "COLOR_0"), 1);
+        if (p.has("COLOR_0")) piece.colors = colors(p, at(attributes, "COLOR_0"));
         read_influences(p, attributes, piece);
         for (std::size_t t = 0; t < p.targets.size(); ++t) {
             const std::string place = at(at(here, "targets"), t);
@@ -125,6 +125,22 @@ class PieceReader {
         if (count > bytes_left_ / each)
             context_.fail(pointer, fmt::format("{} elements are far more than the size of the file allows", count));
         bytes_left_ -= count * each;
+    }
+
+    // Some exporters leave colours zero, opacity included, where nobody painted a surface; on an opaque one they would
+    // show black. Where opacity is zero beside any other colour, it means nothing. Strictly, all count as they are.
+    std::vector<glm::vec4> colors(const Primitive& p, const std::string& pointer)
+    {
+        std::vector<glm::vec4> result = vec4(p.find("COLOR_0"), pointer, 1);
+        const bool opaque = p.material == k_absent || model_.materials[p.material].alpha_mode == "OPAQUE";
+        const auto is_sound = [](const glm::vec4& color) { return color.w > 0 || color == glm::vec4(0); };
+        if (context_.strict() || !opaque || !std::ranges::all_of(result, is_sound)) return result;
+        for (glm::vec4& color : result) {
+            if (color != glm::vec4(0)) continue;
+            context_.repair(Fault::empty_colors, pointer, [] { return std::string(); });
+            color = glm::vec4(1);
+        }
+        return result;
     }
 
     const std::vector<float>& floats(Index index, const std::string& pointer)

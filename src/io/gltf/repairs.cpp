@@ -61,6 +61,8 @@ constexpr Wording k_wordings[] = {
     {"camera whose far plane is not behind its near one", "cameras whose far plane is not behind their near one",
      "its depth is unlimited"},
     {"byte order mark before the JSON", "byte order marks before the JSON", "skipped"},
+    {"vertex whose colour is zero, opacity included", "vertices whose colours are zero, opacity included",
+     "taken as white"},
 };
 static_assert(std::size(k_wordings) == static_cast<std::size_t>(Fault::count));
 

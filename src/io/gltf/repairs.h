@@ -45,6 +45,7 @@ enum class Fault : std::uint8_t {
     cone,                 // the angles of a spot light
     camera_depth,         // a camera whose far plane is not behind its near plane
     byte_order_mark,      // at the beginning of the JSON
+    empty_colors,         // vertex colours that nobody painted: zero, opacity included
     count
 };
 

@@ -57,7 +57,7 @@ void NearEvaluator::gather(const CacheFrame& frame, std::span<CachePoint* const>
             CachePoint& point = *claimed[next];
             if (!point.exists || !is_near(point.key) || !wanted(point)) continue;
             points_.push_back(&point);
-            receivers_.push_back({point.origin(), point.normal, point.geometric_normal});
+            receivers_.push_back({point.origin(), point.normal, point.horizon});
         }
         answers_.resize(points_.size());
         frame.near_field.light().gather(*frame.state, *frame.rays, receivers_.data(), receivers_.size(), against,

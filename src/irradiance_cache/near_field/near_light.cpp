@@ -59,7 +59,7 @@ void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays
             if (object == scene::none) continue;
             answers[k].nearest = std::min(answers[k].nearest, scratch.hits.t[i]);
             const glm::vec3 direction = queue.direction(i);
-            if (!(glm::dot(direction, receivers[k].geometric_normal) > 0)) continue;
+            if (!(glm::dot(direction, receivers[k].horizon) > 0)) continue;
             const float near = 1 - far_fraction(scratch.hits.t[i], options_.radius);
             if (state.is_dynamic(object)) continue;
             const ray::ObjectGeometry& geometry = rays.geometry(object);

@@ -34,7 +34,7 @@ struct NearOptions {
 std::vector<glm::vec3> cosine_directions(int count);
 
 struct NearReceiver {
-    glm::vec3 origin{0}, normal{0}, geometric_normal{0};
+    glm::vec3 origin{0}, normal{0}, horizon{0};
 };
 
 struct NearAnswer {

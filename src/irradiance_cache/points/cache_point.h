@@ -27,6 +27,8 @@ struct CachePoint {
     glm::vec3 position{0};   // on the surface
     glm::vec3 normal{0};     // unit, shading
     glm::vec3 geometric_normal{0};
+    glm::vec3 horizon{0};       // unit: light comes from above its plane (ray/smooth_surface.h)
+    glm::vec3 smooth_lift{0};   // from the position to the smooth surface
     // Lattice points: free distance along the lattice's axes, -b +b -c +c; and how much shorter it gets per unit along
     // the other axis, because the surface that ends it stands at an angle. Near-field points: free[0] is the distance
     // to the nearest surface.
@@ -47,7 +49,7 @@ struct CachePoint {
     // The last frame in which a thread claimed the point, and the last one in which it was ready, or abandoned.
     std::atomic<std::uint32_t> claimed{0}, ready{0};
 
-    glm::vec3 origin() const { return position + lift * geometric_normal; }
+    glm::vec3 origin() const { return position + lift * geometric_normal + smooth_lift; }
     static constexpr float k_steepest = 4;   // slope
     float slope(int way) const { return static_cast<float>(slopes[way]) * (k_steepest / 32767); }
     void set_slope(int way, float s) { slopes[way] = static_cast<std::int16_t>(std::lround(s * (32767 / k_steepest))); }

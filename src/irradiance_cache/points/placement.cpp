@@ -6,6 +6,7 @@
 
 #include "base/micro_triangles.h"
 #include "ray/origin.h"
+#include "ray/smooth_surface.h"
 
 namespace gnomon::irradiance_cache {
 
@@ -69,6 +70,8 @@ void place_part(const CacheFrame& frame, CachePoint& point)
     point.lift = ray::origin_lift(p);
     point.geometric_normal = normal;
     point.normal = shading_normal(geometry, triangle, w, uv.x, uv.y, normal);
+    point.horizon = ray::smooth_horizon(normal, point.normal);
+    point.smooth_lift = ray::smooth_lift(geometry, triangle, uv.x, uv.y, normal);
     if (!frame.state->is_dynamic(object)) return;
     point.version = 0;   // its visible nodes change as it moves
     point.owner = frame.lights.owner_of(object);
@@ -143,6 +146,8 @@ bool PointPlacer::accept_hit(const CacheFrame& frame, Search& search, std::size_
     point.lift = ray::origin_lift(p);
     point.geometric_normal = normal;
     point.normal = shading_normal(geometry, triangle, w, u, v, normal);
+    point.horizon = ray::smooth_horizon(normal, point.normal);
+    point.smooth_lift = ray::smooth_lift(geometry, triangle, u, v, normal);
     search.best = from_middle;
     return true;
 }
@@ -164,7 +169,7 @@ void PointPlacer::find_free_distances(const CacheFrame& frame)
             glm::vec3 d(0);
             d[along] = way % 2 ? 1.0f : -1.0f;
             d[axis] = -d[along] * n[along] / n[axis];   // in the surface's plane
-            rays_.push(point->origin() + k_height * h * n, 0, d * h, k_reach);
+            rays_.push(point->position + (point->lift + k_height * h) * n, 0, d * h, k_reach);
         }
     }
     closest_alone(*frame.rays, rays_, hits_, ray::Sides::both);

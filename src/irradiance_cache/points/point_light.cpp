@@ -24,7 +24,7 @@ bool has_near_field(const CacheFrame& frame, const CachePoint& point)
 // Whether a direction of the sky is above a point's surface.
 bool above(const CachePoint& point, const glm::vec3& direction)
 {
-    return glm::dot(direction, point.geometric_normal) > 0 && glm::dot(direction, point.normal) > 0;
+    return glm::dot(direction, point.horizon) > 0 && glm::dot(direction, point.normal) > 0;
 }
 
 }   // namespace
@@ -61,7 +61,7 @@ void StaticVisibility::add(const CacheFrame& frame, CachePoint& point, std::span
         const glm::vec3 to = frame.lights.samples().at(cut[k]) - point.origin();
         const float distance = glm::length(to);
         const float cosine = glm::dot(to, point.normal) / distance;
-        if (!(glm::dot(to, point.geometric_normal) > 0) || !(cosine > 0)) continue;
+        if (!(glm::dot(to, point.horizon) > 0) || !(cosine > 0)) continue;
         // Near light is that of light maps.
         const bool of_patch = cut[k] >= frame.lights.first_patch();
         const float fraction = near_field && !of_patch ? far_fraction(distance, radius) : 1;
@@ -140,7 +140,7 @@ void PresentLight::add_dynamic_lights(const CacheFrame& frame, CachePoint& point
         const glm::vec3 to = light.sample - point.origin();
         const float square = glm::dot(to, to), distance = std::sqrt(square);
         const float cosine = glm::dot(to, point.normal), facing = -glm::dot(to, light.normal);
-        if (!(cosine > 0) || !(facing > 0) || !(glm::dot(to, point.geometric_normal) > 0)) continue;
+        if (!(cosine > 0) || !(facing > 0) || !(glm::dot(to, point.horizon) > 0)) continue;
         if (light.owner == point.owner) continue;
         // The kernel of a disk, as for nodes of the tree (point_kernels.h).
         const float kernel = facing / distance / (static_cast<float>(k_pi) * square + light.area);

@@ -18,6 +18,8 @@ namespace gnomon::scene {
 
 namespace {
 
+constexpr double k_bright = 0.9;          // of the surfaces in view are darker than those that exposure goes by
+constexpr float k_least_light = 0.005f;   // of theirs, that a surface must get in order not to look black
 constexpr double k_ground_radius = 6;     // in diagonals of the scene
 constexpr double k_ground_below = 2e-4;   // likewise, so that what stands on it covers it
 constexpr int k_ground_corners = 48;
@@ -82,26 +84,38 @@ float share_reached(const Scene& scene)
     if (grid.empty()) return 0;
     const Camera& camera = scene.cameras.front();
     const TestImage image = test_image_of(state, camera, state.world(camera.node));
-    const auto reaches = [&](std::size_t l, const glm::vec3& point, const glm::vec3& normal) {
+    // The irradiance of a surface by one light.
+    const auto arrives = [&](std::size_t l, const glm::vec3& point, const glm::vec3& normal) {
         const LightState& at = state.light(static_cast<LightId>(l));
         const LightSample sample = illuminate(scene.lights[l], at, point);
-        if (!at.visible || sample.irradiance == glm::vec3(0) || !(glm::dot(sample.to_light, normal) > 0)) return false;
+        const float cosine = glm::dot(sample.to_light, normal);
+        if (!at.visible || sample.irradiance == glm::vec3(0) || !(cosine > 0)) return 0.0f;
         // Grid cells at both ends are filled by the surfaces themselves.
         const SpaceGrid::Hit hit = grid.cast(point + 2.0f * grid.cell() * normal, sample.to_light);
-        return hit.met == SpaceGrid::Met::nothing || hit.distance > sample.distance - 2 * grid.cell();
+        const bool open = hit.met == SpaceGrid::Met::nothing || hit.distance > sample.distance - 2 * grid.cell();
+        return open ? cosine * luminance(sample.irradiance) : 0.0f;
     };
     std::size_t asked = 0, reached = 0;
+    std::vector<float> light;   // by pixel of a surface that needs it
     for (const TestPixel& pixel : image.pixels) {
         if (pixel.object == none) continue;
         const Mesh& mesh = scene.meshes[scene.objects[pixel.object].mesh];
         const Material& material = scene.materials[mesh.part_of(pixel.triangle).material];
         ++asked;
-        // Unlit surfaces need no light.
-        bool lit = material.model == ShadingModel::unlit;
-        for (std::size_t l = 0; l < scene.lights.size() && !lit; ++l) lit = reaches(l, pixel.position, pixel.normal);
-        reached += lit;
+        if (material.model == ShadingModel::unlit) {
+            ++reached;
+            continue;
+        }
+        float& sum = light.emplace_back(0);
+        for (std::size_t l = 0; l < scene.lights.size(); ++l) sum += arrives(l, pixel.position, pixel.normal);
     }
-    return asked > 0 ? static_cast<float>(reached) / static_cast<float>(asked) : 0;
+    if (light.empty()) return asked > 0 ? 1.0f : 0.0f;
+    // What is far darker than the bright parts of the image shows as black there.
+    const auto bright = light.begin() + static_cast<std::ptrdiff_t>(k_bright * static_cast<double>(light.size() - 1));
+    std::nth_element(light.begin(), bright, light.end());
+    const float least = k_least_light * *bright;
+    for (const float sum : light) reached += sum > 0 && sum >= least;
+    return static_cast<float>(reached) / static_cast<float>(asked);
 }
 
 void add_ground(Scene& scene, const char* name)

@@ -51,14 +51,16 @@ void GpuVisibility::record(vk::Commands& commands, const light_views::LightViews
     records_.update(commands, views);
     vk::Pass pass = commands.pass("shadow look-up");
     records_.declare(pass, buffers, textures);
-    for (const vk::Image* image : {inputs.positions, inputs.normals, inputs.objects})
-        pass.reads(*image, vk::Use::sampled);
+    const vk::Image* smooth = inputs.smooth ? inputs.smooth : inputs.normals;
+    for (const vk::Image* image : {inputs.positions, inputs.normals, inputs.objects, inputs.smooth})
+        if (image) pass.reads(*image, vk::Use::sampled);
     pass.writes(out).writes(counts_).compute([&](vk::Recorder& recorder) {
         recorder.bind(pipeline_);
         recorder.set("Counts", counts_);
         recorder.set("positions", *inputs.positions, buffers.sampler());
         recorder.set("normals", *inputs.normals, buffers.sampler());
         recorder.set("objects", *inputs.objects, buffers.sampler());
+        recorder.set("smooth_normals", *smooth, buffers.sampler());
         records_.bind(recorder, buffers, textures);
         recorder.set("visibility", out);
         const glm::uvec2 size(inputs.positions->width(), inputs.positions->height());

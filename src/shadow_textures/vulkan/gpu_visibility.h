@@ -13,6 +13,7 @@ struct ImageInputs {
     const vk::Image* positions = nullptr;   // world space, float
     const vk::Image* normals = nullptr;     // geometric, unit, on the viewer's side
     const vk::Image* objects = nullptr;     // unsigned: object + 1, 0 where there is none
+    const vk::Image* smooth = nullptr;      // of the smooth horizon, likewise; w: height. Null: the geometric ones
 };
 
 class GpuVisibility {

@@ -51,13 +51,15 @@ void HardVisibility::record(vk::Commands& commands, const light_views::LightView
     records_.declare_views(pass);
     casters.declare_alpha(pass);
     cells_.declare(pass);
-    for (const vk::Image* image : {inputs.positions, inputs.normals, inputs.objects})
-        pass.reads(*image, vk::Use::sampled);
+    const vk::Image* smooth = inputs.smooth ? inputs.smooth : inputs.normals;
+    for (const vk::Image* image : {inputs.positions, inputs.normals, inputs.objects, inputs.smooth})
+        if (image) pass.reads(*image, vk::Use::sampled);
     pass.writes(out).compute([&](vk::Recorder& recorder) {
         recorder.bind(pipeline_);
         recorder.set("positions", *inputs.positions, sampler_.get());
         recorder.set("normals", *inputs.normals, sampler_.get());
         recorder.set("objects", *inputs.objects, sampler_.get());
+        recorder.set("smooth_normals", *smooth, sampler_.get());
         records_.bind_views(recorder);
         casters.bind_alpha(recorder);
         cells_.bind(recorder);

@@ -19,8 +19,10 @@ layout(binding = 8, scalar) readonly buffer Textures { uint textures[]; };
 layout(binding = 9, r8) writeonly uniform image2DArray visibility;
 layout(binding = 10, scalar) readonly buffer Casts { uint casts[]; };  // by object: 1 if it casts shadows
 layout(binding = 11, scalar) buffer Counts { LookupCounts counts; };
+layout(binding = 12) uniform sampler2D smooth_normals;   // of the smooth horizon; w: height of the smooth surface
 layout(push_constant, scalar) uniform Constants { LookupConstants lookup; };
 #include "shadow_textures/vulkan/lookup.glsl"
+#include "shadow_textures/vulkan/smooth_horizon.glsl"
 
 void main()
 {
@@ -32,6 +34,7 @@ void main()
     if (object != 0u) {
         uint number = lookup.first_light + light;
         vec3 point = texelFetch(positions, ivec2(pixel), 0).xyz, normal = texelFetch(normals, ivec2(pixel), 0).xyz;
+        if (lookup.as_printed == 0u) move_between_horizons(number, texelFetch(smooth_normals, ivec2(pixel), 0), point, normal);
         seen = light_visibility(number, point, normal, object - 1u);
         if (lookup.as_printed != 0u && faces_light(number, point, normal)) {
             float compared = seen;

@@ -26,10 +26,12 @@ layout(binding = 15, scalar) readonly buffer StaticEntries { CellEntry static_en
 layout(binding = 16, scalar) readonly buffer MovingFirst { uint moving_first[]; };
 layout(binding = 17, scalar) readonly buffer MovingBlocks { CellBlock moving_blocks[]; };
 layout(binding = 18, scalar) readonly buffer MovingEntries { CellEntry moving_entries[]; };
+layout(binding = 19) uniform sampler2D smooth_normals;   // of the smooth horizon; w: height of the smooth surface
 layout(push_constant, scalar) uniform Constants { LookupConstants lookup; };
 #include "light_views/vulkan/alpha_test.glsl"
 #include "shadow_textures/vulkan/view_of_light.glsl"
 #include "shadow_textures/vulkan/hard_edges.glsl"
+#include "shadow_textures/vulkan/smooth_horizon.glsl"
 
 void main()
 {
@@ -38,7 +40,11 @@ void main()
     uint light = gl_GlobalInvocationID.z;
     uint object = texelFetch(objects, ivec2(pixel), 0).x;
     float seen = 0.0;
-    if (object != 0u)
-        seen = hard_visibility(lookup.first_light + light, texelFetch(positions, ivec2(pixel), 0).xyz, texelFetch(normals, ivec2(pixel), 0).xyz);
+    if (object != 0u) {
+        const uint number = lookup.first_light + light;
+        vec3 point = texelFetch(positions, ivec2(pixel), 0).xyz, normal = texelFetch(normals, ivec2(pixel), 0).xyz;
+        move_between_horizons(number, texelFetch(smooth_normals, ivec2(pixel), 0), point, normal);
+        seen = hard_visibility(number, point, normal);
+    }
     imageStore(visibility, ivec3(pixel, light), vec4(seen));
 }
