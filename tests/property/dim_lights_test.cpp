@@ -32,12 +32,12 @@ Scene lit_floor(float light, float sky)
     return b.finish();
 }
 
-struct Picture {
+struct Rendered {
     std::vector<float> values;
     std::uint64_t rays = 0;
 };
 
-Picture picture_of(const Scene& scene)
+Rendered render_of(const Scene& scene)
 {
     RenderOptions options;
     options.size = {96, 96};
@@ -53,10 +53,10 @@ Picture picture_of(const Scene& scene)
 // The frame of both kinds of light against the sum of two frames of one kind each, in which nothing is dim.
 TEST(DimLights, LeaveNoStepsBesideAnImage)
 {
-    const Picture sky = picture_of(lit_floor(0, 1));
+    const Rendered sky = render_of(lit_floor(0, 1));
     bool differs = false;
     for (const float light : {0.003f, 0.03f, 0.3f, 3.0f}) {
-        const Picture both = picture_of(lit_floor(light, 1)), alone = picture_of(lit_floor(light, 0));
+        const Rendered both = render_of(lit_floor(light, 1)), alone = render_of(lit_floor(light, 0));
         ASSERT_EQ(both.values.size(), alone.values.size());
         double square = 0;
         for (std::size_t i = 0; i < both.values.size(); ++i) {
@@ -75,9 +75,9 @@ TEST(DimLights, LeaveNoStepsBesideAnImage)
 // The dimmer the light, the fewer rays.
 TEST(DimLights, NeedFewRays)
 {
-    const std::uint64_t sky = picture_of(lit_floor(0, 1)).rays;
-    const std::uint64_t dim = picture_of(lit_floor(0.0003f, 1)).rays - sky;
-    const std::uint64_t more = picture_of(lit_floor(0.1f, 1)).rays - sky;
+    const std::uint64_t sky = render_of(lit_floor(0, 1)).rays;
+    const std::uint64_t dim = render_of(lit_floor(0.0003f, 1)).rays - sky;
+    const std::uint64_t more = render_of(lit_floor(0.1f, 1)).rays - sky;
     EXPECT_GT(dim, 0u);
     EXPECT_LT(dim, 96u * 96u + 1);
     EXPECT_GT(more, 2 * dim);
@@ -86,7 +86,7 @@ TEST(DimLights, NeedFewRays)
 TEST(DimLights, SameFrameFromAKeptRendererAndForAnyThreadCount)
 {
     const Scene scene = lit_floor(0.1f, 1);
-    const Picture first = picture_of(scene);
+    const Rendered first = render_of(scene);
     RenderOptions options;
     options.size = {96, 96};
     options.indirect = Indirect::off;
