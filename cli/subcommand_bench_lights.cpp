@@ -34,14 +34,21 @@ int run_bench_lights(const CommandLine& line, Output& output)
 
     const auto percent = [](double share) { return 100 * share; };
     for (const bench::LightsBenchResult::Row& r : result.rows)
-        output.say(
-            fmt::format("{}: {} points, lit {:.1f} %, dark {:.1f} %, penumbra {:.1f} %, unproven {:.2f} %; {} of {} "
-                        "segments contradict; {:.1f} ms at first, then {:.1f} ms; error {:.5f}, at most {:.4f}",
-                        r.light, r.points, percent(r.lit), percent(r.dark), percent(r.penumbra), percent(r.unproven),
-                        r.wrong, r.segments, r.ms_cold, r.ms_steady, r.error.rmse, r.error.max_abs));
+        output.say(fmt::format(
+            "{}: {} points, lit {:.1f} %, dark {:.1f} %, penumbra {:.1f} %, unproven {:.2f} %; {} of {} "
+            "segments contradict; {:.1f} ms at first, then {:.1f} ms; error {:.5f}, at most {:.4f}; soft "
+            "textures {:.3f}",
+            r.light, r.points, percent(r.lit), percent(r.dark), percent(r.penumbra), percent(r.unproven), r.wrong,
+            r.segments, r.ms_cold, r.ms_steady, r.error.rmse, r.error.max_abs, fmt::join(r.soft_rmse, " and ")));
     for (const bench::LightsBenchResult::Opponent& o : result.opponents)
         output.say(fmt::format("{} rays a point: {:.1f} ms; error {:.5f}, at most {:.4f}", o.samples, o.ms,
                                o.error.rmse, o.error.max_abs));
+    for (const bench::LightsBenchResult::Soft& s : result.soft)
+        output.say(fmt::format(
+            "soft textures, {}: error {:.4f}, at most {:.3f}; {} of {} dark points see a tenth of "
+            "the light or more; {} textures, {:.1f} made again in a later frame; {:.0f} ms at "
+            "first, then {:.0f} ms",
+            s.name, s.error.rmse, s.error.max_abs, s.leaks, s.darkest, s.textures, s.updated, s.ms_first, s.ms_then));
     output.say(fmt::format("error of the truth itself {:.5f}; {:.1f} MB", result.truth_rmse,
                            static_cast<double>(result.bytes) / 1e6));
     if (!report) {

@@ -10,6 +10,7 @@
 #include "base/clocks.h"
 #include "base/random.h"
 #include "bench/core/bench_points.h"
+#include "bench/lights/soft.h"
 #include "bench/lights/squares.h"
 #include "ray/origin.h"
 #include "scene/sized_light.h"
@@ -180,6 +181,18 @@ constexpr std::uint32_t k_targets = 1024;   // places that checks choose from
 constexpr int k_truth = 2048;               // places of each half of the truth
 constexpr int k_most_compared = 8;          // frames that are compared with it, of many; fewer than twice as many are
 
+constexpr double k_dark_share = 1e-3, k_leak = 0.1;   // of a light
+
+// What soft textures of one kind sum up.
+struct SoftSums {
+    SoftTextures textures;
+    const char* name;
+    std::vector<Sums> by_light;
+    Sums error;
+    std::uint64_t leaks = 0, darkest = 0;
+    double first = 0, then = 0, updated = 0;
+};
+
 class LightsBench {
  public:
     LightsBench(const std::shared_ptr<const scene::Scene>& scene, const LightsBenchOptions& options)
@@ -195,6 +208,9 @@ class LightsBench {
         if (lights_.empty())
             throw UsageError("bench lights needs a point or spot light, or an emissive surface of few polygons");
         sums_.resize(lights_.size());
+        const std::vector<Sums> none(lights_.size());
+        soft_.push_back({SoftTextures(shadow_textures::SoftScale::receiver), "a distance for each receiver", none, {}});
+        soft_.push_back({SoftTextures(shadow_textures::SoftScale::occluder), "one for each occluder on it", none, {}});
     }
 
     LightsBenchResult run(const Progress& progress)
@@ -228,6 +244,11 @@ class LightsBench {
         std::vector<AreaLight> plain;
         for (const NamedLight& light : lights_) plain.push_back(light.light);
         visibility_.follow(state_, rays_, plain);
+        for (SoftSums& soft : soft_) {
+            const double ms = milliseconds_of([&] { soft.textures.update(state_, plain); });
+            (f == 0 ? soft.first : soft.then) += ms;
+            if (f > 0) soft.updated += static_cast<double>(soft.textures.updated());
+        }
         const scene::View view = scene::make_view(state_, options_.camera, options_.size);
         // Find the points, tile by tile, as a frame hands them over.
         tiles_.clear();
@@ -345,6 +366,13 @@ class LightsBench {
                 truth.push_back(0.5 * (x + y));
                 truth_noise_.add(0.5 * (x - y));
                 sums_[l].error.add(static_cast<double>(shares_[at]) - truth.back());
+                for (SoftSums& soft : soft_) {
+                    const auto seen = static_cast<double>(soft.textures.share(l, p));
+                    soft.error.add(seen - truth.back());
+                    soft.by_light[l].add(seen - truth.back());
+                    if (truth.back() > k_dark_share) continue;
+                    ++soft.darkest, soft.leaks += seen > k_leak;
+                }
             }
         for (std::size_t s = 0; s < options_.samples.size(); ++s) {
             RayShares opponent(rays_, polygon, places_of(lights_[l].light.shape, options_.samples[s], 5));
@@ -373,6 +401,7 @@ class LightsBench {
             row.wrong = s.wrong, row.segments = s.segments;
             row.ms_cold = s.cold, row.ms_steady = s.steady / s.steady_frames;
             row.error = s.error.error();
+            for (const SoftSums& soft : soft_) row.soft_rmse.push_back(soft.by_light[l].error().rmse);
             row.triangles = s.penumbra ? static_cast<double>(s.triangles) / static_cast<double>(s.penumbra) : 0;
             result.rows.push_back(row);
         }
@@ -380,6 +409,10 @@ class LightsBench {
             result.opponents.push_back({options_.samples[s],
                                         opponent_ms_[s] / (static_cast<double>(lights_.size()) * compared_),
                                         opponent_errors_[s].error()});
+        const double later = std::max(options_.frames.count() - 1, 1);
+        for (const SoftSums& s : soft_)
+            result.soft.push_back({s.name, s.error.error(), s.leaks, s.darkest, s.textures.textures(),
+                                   s.updated / later, s.first, s.then / later});
         result.truth_rmse = truth_noise_.error().rmse;
         result.bytes = visibility_.bytes();
         return result;
@@ -393,6 +426,7 @@ class LightsBench {
     scene::SizedLights sized_;
     std::vector<NamedLight> lights_;
     std::vector<LightSums> sums_;
+    std::vector<SoftSums> soft_;
     std::vector<Sums> opponent_errors_;
     std::vector<double> opponent_ms_;
     int compared_ = 0;   // frames

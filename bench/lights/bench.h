@@ -7,7 +7,8 @@
 // facing along its node's -Z; every emissive polygon stays what it is. Times are process CPU time of one thread, for
 // all points of a frame and one light, points known. The opponent traces rays to stratified places of the light, all of
 // a point together, in Embree's widest native packets. The truth for both are rays to 4,096 places, for some of the
-// points, in eight to fifteen of a clip's frames.
+// points, in eight to fifteen of a clip's frames. Soft shadow textures [Soler and Sillion 1998] are compared with the
+// same truth.
 
 #include <memory>
 #include <vector>
@@ -39,15 +40,25 @@ struct LightsBenchResult {
         std::uint64_t points = 0, wrong = 0, segments = 0;   // wrong: segments that contradict a proven answer
         double ms_cold = 0, ms_steady = 0;
         Error error;
-        double triangles = 0;   // tested for a point in a listed part, mean
+        double triangles = 0;            // tested for a point in a listed part, mean
+        std::vector<double> soft_rmse;   // of soft textures, as in `soft`
     };
     struct Opponent {
         int samples = 0;
         double ms = 0;   // mean over lights and frames
         Error error;
     };
+    struct Soft {   // soft shadow textures, kept (soft.h)
+        const char* name = "";
+        Error error;
+        std::uint64_t leaks = 0, darkest = 0;   // points that see next to nothing, and of these, those lit by a tenth
+        std::size_t textures = 0;               // of all lights
+        double updated = 0;                     // in a frame after the first, mean
+        double ms_first = 0, ms_then = 0;       // to draw views and textures of all lights; mean of later frames
+    };
     std::vector<Row> rows;
     std::vector<Opponent> opponents;
+    std::vector<Soft> soft;
     double truth_rmse = 0;   // of the truth itself, estimated from its halves
     std::size_t bytes = 0;
 };

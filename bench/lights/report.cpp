@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/scene_access.h"
+#include "bench/lights/soft.h"
 #include "bench/lights/squares.h"
 #include "bench/report/image_figures.h"
 #include "gnomon/renderer.h"
@@ -35,15 +36,18 @@ ReportTable proofs_table(const LightsBenchResult& result)
     table.caption =
         "What is known of each light at the points that it could reach: parts of surfaces that see all of it, none of "
         "it, or some of it past remembered triangles; unproven ones are decided by rays. Wrong: segments that "
-        "contradict a proven answer. The error is of the visible share of the irradiance.";
+        "contradict a proven answer. The error is of the visible share of the irradiance; beside it, that of soft "
+        "shadow "
+        "textures, with a distance for each receiver and for each occluder on it.";
     table.columns = {"light", "points",    "lit",      "dark", "penumbra", "unproven",
-                     "wrong", "first, ms", "then, ms", "RMSE", "at most"};
+                     "wrong", "first, ms", "then, ms", "RMSE", "at most",  "RMSE of soft textures"};
     for (const LightsBenchResult::Row& r : result.rows)
-        table.rows.push_back({{r.light, fmt::format("{}", r.points), percent(r.lit), percent(r.dark),
-                               percent(r.penumbra), percent(r.unproven), fmt::format("{} of {}", r.wrong, r.segments),
-                               fmt::format("{:.0f}", r.ms_cold), fmt::format("{:.0f}", r.ms_steady),
-                               fmt::format("{:.5f}", r.error.rmse), fmt::format("{:.4f}", r.error.max_abs)},
-                              false});
+        table.rows.push_back(
+            {{r.light, fmt::format("{}", r.points), percent(r.lit), percent(r.dark), percent(r.penumbra),
+              percent(r.unproven), fmt::format("{} of {}", r.wrong, r.segments), fmt::format("{:.0f}", r.ms_cold),
+              fmt::format("{:.0f}", r.ms_steady), fmt::format("{:.5f}", r.error.rmse),
+              fmt::format("{:.4f}", r.error.max_abs), fmt::format("{:.3f}", fmt::join(r.soft_rmse, ", "))},
+             false});
     return table;
 }
 
@@ -70,6 +74,26 @@ ReportTable rays_table(const LightsBenchResult& result)
     row("proven, then", steady / lights, std::sqrt(squares / lights), most);
     for (const LightsBenchResult::Opponent& o : result.opponents)
         row(fmt::format("{} rays a point", o.samples), o.ms, o.error.rmse, o.error.max_abs);
+    return table;
+}
+
+ReportTable soft_table(const LightsBenchResult& result)
+{
+    ReportTable table;
+    table.caption = fmt::format(
+        "Soft shadow textures, kept over time: each receiver's shadow, seen from the light's middle in five views of "
+        "{0} x {0} texels, convolved with the light's image [Soler and Sillion 1998]. The image is scaled by mean "
+        "distances: of all occluders of a receiver, or of each. Leaks: points that see nothing of the light, and more "
+        "than a tenth of it here. Textures of all lights; times are of the reference on the CPU, views included.",
+        SoftTextures::k_view_size);
+    table.columns = {"scale",    "RMSE",       "largest error", "dark points", "leaks among them",
+                     "textures", "made again", "first, ms",     "then, ms"};
+    for (const LightsBenchResult::Soft& s : result.soft)
+        table.rows.push_back(
+            {{s.name, fmt::format("{:.4f}", s.error.rmse), fmt::format("{:.3f}", s.error.max_abs),
+              fmt::format("{}", s.darkest), fmt::format("{}", s.leaks), fmt::format("{}", s.textures),
+              fmt::format("{:.1f}", s.updated), fmt::format("{:.0f}", s.ms_first), fmt::format("{:.0f}", s.ms_then)},
+             false});
     return table;
 }
 
@@ -161,6 +185,7 @@ void add_lights_section(ReportPage& page, const std::string& command, const Ligh
         static_cast<double>(result.bytes) / 1e6));
     page.table(proofs_table(result));
     page.table(rays_table(result));
+    page.table(soft_table(result));
     page.chart(times_chart(result), "Time of a steady frame against the error, for one light.");
     page.gallery({{"the traced frame", images.traced}}, "Direct light of all lights together.");
     page.gallery({{"states of the shadows", images.states}},
@@ -199,12 +224,27 @@ nlohmann::ordered_json lights_json(const LightsBenchResult& result, const Lights
                         {"ms_steady", r.ms_steady},
                         {"rmse", r.error.rmse},
                         {"max_abs", r.error.max_abs},
+                        {"soft_rmse", r.soft_rmse},
                         {"listed_triangles", r.triangles}});
     for (const LightsBenchResult::Opponent& o : result.opponents)
         opponents.push_back(
             {{"samples", o.samples}, {"ms", o.ms}, {"rmse", o.error.rmse}, {"max_abs", o.error.max_abs}});
-    nlohmann::ordered_json document{
-        {"rows", rows}, {"opponents", opponents}, {"truth_rmse", result.truth_rmse}, {"bytes", result.bytes}};
+    nlohmann::ordered_json soft = nlohmann::ordered_json::array();
+    for (const LightsBenchResult::Soft& s : result.soft)
+        soft.push_back({{"scale", s.name},
+                        {"rmse", s.error.rmse},
+                        {"max_abs", s.error.max_abs},
+                        {"dark", s.darkest},
+                        {"leaks", s.leaks},
+                        {"textures", s.textures},
+                        {"updated", s.updated},
+                        {"ms_first", s.ms_first},
+                        {"ms_then", s.ms_then}});
+    nlohmann::ordered_json document{{"rows", rows},
+                                    {"opponents", opponents},
+                                    {"soft_textures", soft},
+                                    {"truth_rmse", result.truth_rmse},
+                                    {"bytes", result.bytes}};
     if (!images || images->raster.device.empty()) return document;
     nlohmann::ordered_json raster = nlohmann::ordered_json::array();
     for (const RasterLightsRow& r : images->raster.rows)

@@ -101,7 +101,8 @@ class SceneBuilder {
     /// Adds a camera and the node that carries it. Camera::transform becomes its node's.
     CameraId camera(const Camera& camera, const NodeOptions& options = {});
 
-    /// Surrounds the scene with light. It replaces the background.
+    /// Surrounds the scene with light. It replaces the background. A renderer of the scene before goes on if both have
+    /// images with as many lights.
     /// @param lights  number of directional lights that approximate it, a power of two from 1 to 1024
     void environment(const EnvironmentImage& image, int lights = 16);
     /// The colour where rays leave the scene; it gives no light. It replaces an environment and its light.

@@ -16,7 +16,6 @@ constexpr std::size_t k_block = 16;   // points whose rays in one direction are 
 // Of a ray's direction above the surface, least sine: below, the mean direction of the cell stands in.
 constexpr float k_least_sine = 1e-3f;
 // Probes: one cell of 16, another one for each point of a block.
-constexpr std::uint64_t k_probe_bits = 0x0001000100010001ull;
 constexpr std::uint32_t k_probe_step = 16;
 
 template <class Body>
@@ -85,6 +84,18 @@ CellVisibility::CellVisibility(const Surroundings& surroundings, const Direction
         list.assign(64 * cells.words(), 0);
         for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) list[leaf] = cells.mean(leaf)[axis];
     }
+    probes_.assign(k_probe_step * cells.words(), 0);
+    for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf)
+        probes_[cells.stable_number(leaf) % k_probe_step * cells.words() + leaf / 64] |= std::uint64_t{1}
+                                                                                         << (leaf % 64);
+}
+
+void CellVisibility::take_over(const CellVisibility& other)
+{
+    proofs_->take_over(*other.proofs_);
+    number_ = other.number_ + 1;
+    other_ = &other;
+    leaf_of_other_ = other.cells_.same_leaves(cells_);
 }
 
 // The arguments of one call.
@@ -174,7 +185,8 @@ void CellVisibility::look_up(const Query& query, PointMemory* memory) const
         const auto above = query.of(scratch.above, k), sure = query.of(scratch.known, k),
                    free = query.of(scratch.free, k);
         const PointMemory::Known known = memory ? memory->find(p) : PointMemory::Known{};
-        own.masks = known.masks ? known.masks : &proofs_->part_at(first + p.triangle, p.front, p.u, p.v);
+        const bool of_these = known.masks && known.cells == number_;
+        own.masks = of_these ? known.masks : &proofs_->part_at(first + p.triangle, p.front, p.u, p.v);
         bool asks = false;
         for (std::size_t w = 0; w < words; ++w) {
             free[w] = own.masks->free[w] & above[w];
@@ -182,7 +194,8 @@ void CellVisibility::look_up(const Query& query, PointMemory* memory) const
             asks = asks || sure[w] != above[w];
         }
         if (!asks) ++scratch.counters.free_points;
-        if (!known.masks) continue;
+        if (known.masks && other_ && known.cells == other_->number_) read_other(query, k, known);
+        if (!of_these) continue;
         ++scratch.counters.remembered;
         std::size_t i = 0;
         for_each_bit(own.masks->open, [&](std::size_t leaf) {
@@ -191,6 +204,30 @@ void CellVisibility::look_up(const Query& query, PointMemory* memory) const
             ++i;
         });
     }
+}
+
+// Takes over what rays found at a point in directions that other cells had as well.
+void CellVisibility::read_other(const Query& query, std::size_t k, const PointMemory::Known& known) const
+{
+    Scratch& scratch = query.scratch;
+    const auto sure = query.of(scratch.known, k), free = query.of(scratch.free, k);
+    const glm::vec3& normal = query.point(k).normal;
+    std::size_t i = 0;
+    for_each_bit(known.masks->open, [&](std::size_t there) {
+        const std::size_t word = i / 64, bit = i % 64;
+        ++i;
+        const std::int32_t leaf = leaf_of_other_[there];
+        if (leaf < 0 || (known.traced[word] >> bit & 1) == 0) return;
+        const auto own = static_cast<std::size_t>(leaf);
+        // A direction that stands in for a cell at the horizon depends on the image.
+        if (has(sure, own) || !has(query.of(scratch.above, k), own) ||
+            !(glm::dot(cells_.direction(own), normal) > k_least_sine))
+            return;
+        sure[own / 64] |= std::uint64_t{1} << (own % 64);
+        free[own / 64] |= (known.seen[word] >> bit & 1) << (own % 64);
+    });
+    ++scratch.counters.remembered;
+    scratch.asked[k].fresh = true;   // to be remembered for these cells
 }
 
 // Decides the cells of points without guides.
@@ -332,7 +369,7 @@ void CellVisibility::decide_guided(const Query& query, int pass) const
         const auto above = query.of(scratch.above, k), wanted = query.of(scratch.wanted, k),
                    agreed = query.of(scratch.agreed, k);
         const auto mask = query.seen.of(k);
-        const std::uint64_t probes = k_probe_bits << (guide.number * 5 % k_probe_step);
+        const std::uint64_t* probes = probes_.data() + guide.number * 5 % k_probe_step * words;
         for (std::size_t w = 0; w < words; ++w) {
             std::uint64_t all_see = ~std::uint64_t{0}, none_sees = ~std::uint64_t{0};
             for (const std::uint32_t c : guide.corner) {
@@ -341,7 +378,7 @@ void CellVisibility::decide_guided(const Query& query, int pass) const
             }
             agreed[w] = above[w] & (all_see | none_sees);
             mask[w] = agreed[w] & all_see;
-            wanted[w] = above[w] & (~agreed[w] | probes);
+            wanted[w] = above[w] & (~agreed[w] | probes[w]);
         }
     }
     decide(query, pass);
@@ -475,7 +512,7 @@ void CellVisibility::remember(const Query& query, PointMemory& memory) const
             scratch.bits[words + i / 64] |= (free[leaf / 64] >> (leaf % 64) & 1) << (i % 64);
             ++i;
         });
-        memory.add(query.point(k), *own.masks, scratch.bits);
+        memory.add(query.point(k), *own.masks, number_, scratch.bits);
     }
 }
 

@@ -122,6 +122,12 @@ class CellVisibility {
     void find(Scratch& scratch, std::span<const visibility::ShadowPoint> points, std::span<const std::uint32_t> asked,
               std::span<const Guides> guides, PointMemory* memory, SeenCells& seen) const;
 
+    /// Takes over what is proven and remembered for other cells, of another image, where both have the same leaves.
+    /// Call before the first question. What points remember of the others can be read until forget_other().
+    /// @param other  kept by reference until then
+    void take_over(const CellVisibility& other);
+    void forget_other() { other_ = nullptr, leaf_of_other_.clear(); }
+
     const DirectionCells& cells() const { return cells_; }
     CellProofs& proofs() const { return *proofs_; }
 
@@ -130,6 +136,7 @@ class CellVisibility {
     glm::vec3 ray_direction(std::size_t leaf, const glm::vec3& normal) const;
     void find_above(const Query& query, std::size_t k) const;
     void look_up(const Query& query, PointMemory* memory) const;
+    void read_other(const Query& query, std::size_t k, const PointMemory::Known& known) const;
     void decide_alone(const Query& query) const;
     void decide_guided(const Query& query, int pass) const;
     void decide(const Query& query, int pass) const;
@@ -149,6 +156,10 @@ class CellVisibility {
     const DirectionCells& cells_;
     std::unique_ptr<CellProofs> proofs_;
     std::array<std::vector<float>, 3> mean_;   // by axis, padded to whole words
+    std::vector<std::uint64_t> probes_;        // masks of the leaves that one kind of point probes, one after the other
+    std::uint32_t number_ = 0;                 // of these cells, in PointMemory
+    const CellVisibility* other_ = nullptr;
+    std::vector<std::int32_t> leaf_of_other_;   // by its leaf; -1: these cells have no such leaf
 };
 
 }   // namespace gnomon::environment_light

@@ -2,7 +2,9 @@
 #include "environment_light/direction_cells.h"
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
+#include <unordered_map>
 
 #include "base/check.h"
 #include "base/morton.h"
@@ -281,6 +283,14 @@ DirectionCells::DirectionCells(const scene::Environment& environment, const Cell
         const std::uint32_t last = nodes_[level_end - 1].children + nodes_[level_end - 1].count;
         level_begin = next, level_end = last;
     }
+    stable_numbers_.resize(nodes_of_.size());
+    std::vector<std::uint32_t> of_level;   // in the order of the tree
+    for (std::uint32_t n = level_begin; n < level_end; ++n) of_level.push_back(n);
+    std::ranges::sort(of_level, {}, [&](std::uint32_t n) { return nodes_[n].first_leaf; });
+    for (std::uint32_t number = 0; number < of_level.size(); ++number) {
+        const DirectionNode& node = nodes_[of_level[number]];
+        for (std::uint32_t l = 0; l < node.leaves; ++l) stable_numbers_[node.first_leaf + l] = number + l;
+    }
     for (std::uint32_t n = level_begin; n < level_end && options.groups; ++n)
         if (nodes_[n].leaves >= k_least_group) add_group(nodes_[n].first_leaf, nodes_[n].leaves);
     family_followers_.assign(words(), 0);
@@ -334,7 +344,8 @@ DirectionCells::DirectionCells(const glm::vec3& to_light, double diameter, const
             child.first_leaf = first_leaf + q * leaves / 4, child.leaves = leaves / 4;
         }
     }
-    nodes_of_.resize(count);
+    nodes_of_.resize(count), stable_numbers_.resize(count);
+    std::iota(stable_numbers_.begin(), stable_numbers_.end(), 0u);
     for (std::uint32_t n = 0; n < nodes_.size(); ++n)
         if (nodes_[n].children == 0) nodes_of_[nodes_[n].first_leaf] = n;
     const auto angle = static_cast<float>(2 * k_pi * (1 - std::cos(diameter / 2)) / count);
@@ -518,6 +529,17 @@ void DirectionCells::add_cones()
         node.axis = glm::vec3(axis);
         node.cosine = static_cast<float>(least) - 1e-6f;
     }
+}
+
+std::vector<std::int32_t> DirectionCells::same_leaves(const DirectionCells& other) const
+{
+    std::unordered_map<std::uint64_t, std::int32_t> there;
+    for (std::size_t leaf = 0; leaf < other.leaves(); ++leaf)
+        there.emplace(other.nodes_[other.nodes_of_[leaf]].place, static_cast<std::int32_t>(leaf));
+    std::vector<std::int32_t> same(leaves(), -1);
+    for (std::size_t leaf = 0; leaf < leaves(); ++leaf)
+        if (const auto at = there.find(nodes_[nodes_of_[leaf]].place); at != there.end()) same[leaf] = at->second;
+    return same;
 }
 
 bool DirectionCells::same_directions(const DirectionCells& other) const

@@ -110,6 +110,11 @@ class DirectionCells {
     std::size_t stand_in_of(std::size_t leaf) const { return stand_in_of_[leaf]; }
     /// Adds the leaves in and next to the family of a leaf to a mask; without families, all.
     void add_around(std::size_t leaf, std::span<std::uint64_t> mask) const;
+    /// The number of a leaf, or of the cell of the least level that it is in, counted through that level; leaves of one
+    /// cell count on from it. It hardly depends on the image: that of other places does not matter.
+    std::uint32_t stable_number(std::size_t leaf) const { return stable_numbers_[leaf]; }
+    /// For each leaf, that of another set which is the same cell, or none (-1).
+    std::vector<std::int32_t> same_leaves(const DirectionCells& other) const;
     /// Another set whose leaves are the same directions, whatever light they bring.
     bool same_directions(const DirectionCells& other) const;
     std::size_t bytes() const;
@@ -129,7 +134,7 @@ class DirectionCells {
     std::size_t roots_ = 0;
     std::vector<glm::vec3> directions_, means_, fluxes_;
     std::vector<float> angles_;
-    std::vector<std::uint32_t> nodes_of_;
+    std::vector<std::uint32_t> nodes_of_, stable_numbers_;
     std::vector<LeafGroup> groups_;
     std::vector<std::uint64_t> followers_;
     std::vector<CellFamily> families_;

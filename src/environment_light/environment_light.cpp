@@ -42,6 +42,8 @@ void EnvironmentLight::follow(const scene::SceneState& state, const ray::RayScen
 // @param anew  static triangles changed: nothing is proven of them
 void EnvironmentLight::follow_image(const scene::SceneState& state, bool anew)
 {
+    if (image_) image_->visibility->forget_other();
+    before_.reset();
     const scene::Background& background = state.scene().background;
     if (!options_.image || background.kind != scene::Background::Kind::image ||
         background.environment->flux() == glm::vec3(0)) {
@@ -51,14 +53,16 @@ void EnvironmentLight::follow_image(const scene::SceneState& state, bool anew)
     }
     if (image_ && image_->environment == background.environment && !anew) return;
 
-    ++version_;
-    std::unique_ptr<Image> before = std::exchange(image_, nullptr);
-    if (before && before->environment == background.environment)
-        image_ = std::move(before);
+    before_ = std::exchange(image_, nullptr);
+    if (before_ && before_->environment == background.environment)
+        image_ = std::move(before_);
     else
         image_ = std::make_unique<Image>(background.environment, options_);
     auto visibility = std::make_unique<CellVisibility>(*surroundings_, image_->cells, options_.proofs);
-    if (before && !anew) visibility->proofs().take_over(before->visibility->proofs());
+    if (before_ && !anew)
+        visibility->take_over(*before_->visibility);
+    else
+        ++version_, before_.reset();
     image_->visibility = std::move(visibility);
 }
 

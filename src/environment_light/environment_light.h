@@ -6,7 +6,7 @@
 //
 // It follows the scene state, and keeps what is known: while an image stays, its cells and tables; while static
 // triangles stay, what is proven of them. Another image, such as the same one turned, keeps the proofs of all cells
-// that both have.
+// that both have, and what rays found in their directions.
 //
 // An irradiance at a point is a function of the point, the normal, the image and the scene alone.
 //
@@ -45,7 +45,8 @@ class EnvironmentLight {
     void follow(const scene::SceneState& state, const ray::RayScene& rays);
     /// Whether the scene has no environment image, or a black one; nothing else may then be called but follow().
     bool empty() const { return !image_; }
-    /// Increases whenever memory of points (PointMemory) must be forgotten: that of the image, and that of suns.
+    /// Increases whenever memory of points (PointMemory) must be forgotten: that of the image, and that of suns. While
+    /// another image follows, it stays; what points did not ask for in the frame after it is void.
     std::uint32_t version() const { return version_; }
     std::uint32_t suns_version() const { return suns_version_; }
     const std::vector<std::unique_ptr<Sun>>& suns() const { return suns_; }
@@ -75,6 +76,7 @@ class EnvironmentLight {
     EnvironmentOptions options_;
     std::unique_ptr<Surroundings> surroundings_;
     std::unique_ptr<Image> image_;
+    std::unique_ptr<Image> before_;   // the image of the frame before, if it was another one: points remember its cells
     std::vector<std::unique_ptr<Sun>> suns_;
     std::uint32_t version_ = 0, suns_version_ = 0;
 };

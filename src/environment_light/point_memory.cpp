@@ -33,8 +33,10 @@ const PointMemory::Entry* PointMemory::Table::find(const Key& key) const
     }
 }
 
-void PointMemory::Table::add(const Key& key, const PartMasks* masks, const std::uint64_t* words, std::uint32_t size)
+// @param added  with any `first`
+void PointMemory::Table::add(const Entry& added, const std::uint64_t* words)
 {
+    const Key key = added.key;
     if (2 * (count + 1) > entries.size()) {
         std::vector<Entry> old =
             std::exchange(entries, std::vector<Entry>(std::max<std::size_t>(64, 2 * entries.size())));
@@ -52,8 +54,9 @@ void PointMemory::Table::add(const Key& key, const PartMasks* masks, const std::
     std::size_t at = hash_of(key.triangle, key.place) & mask;
     while (entries[at].masks && entries[at].key != key) at = (at + 1) & mask;
     if (!entries[at].masks) ++count;   // else more is known now
-    entries[at] = {key, masks, static_cast<std::uint32_t>(seen.size()), size};
-    seen.insert(seen.end(), words, words + size);
+    entries[at] = added;
+    entries[at].first = static_cast<std::uint32_t>(seen.size());
+    seen.insert(seen.end(), words, words + added.words);
 }
 
 void PointMemory::begin_frame()
@@ -73,17 +76,17 @@ PointMemory::Known PointMemory::find(const visibility::ShadowPoint& point)
     if (!entry) {
         const Entry* old = before_.find(key);
         if (!old) return {};
-        now_.add(key, old->masks, before_.seen.data() + old->first, old->words);
+        now_.add(*old, before_.seen.data() + old->first);
         entry = now_.find(key);
     }
     const std::uint64_t* bits = now_.seen.data() + entry->first;
-    return {entry->masks, bits, bits + entry->words / 2};
+    return {entry->masks, entry->cells, bits, bits + entry->words / 2};
 }
 
-void PointMemory::add(const visibility::ShadowPoint& point, const PartMasks& masks,
+void PointMemory::add(const visibility::ShadowPoint& point, const PartMasks& masks, std::uint32_t cells,
                       const std::vector<std::uint64_t>& bits)
 {
-    now_.add(key_of(point), &masks, bits.data(), static_cast<std::uint32_t>(bits.size()));
+    now_.add({key_of(point), &masks, 0, static_cast<std::uint32_t>(bits.size()), cells}, bits.data());
 }
 
 }   // namespace gnomon::environment_light

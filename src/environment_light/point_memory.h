@@ -3,7 +3,7 @@
 // Remembers what rays found at points of static surfaces: which of the cells that are open for the point's part it sees
 // past static geometry. A point that was not asked for in a frame is forgotten after it.
 //
-// For one thread at a time. Cost: a look-up per point. Memory: 40 bytes a point, and two bits for each open cell.
+// For one thread at a time. Cost: a look-up per point. Memory: 48 bytes a point, and two bits for each open cell.
 
 #include <cstdint>
 #include <vector>
@@ -17,6 +17,7 @@ class PointMemory {
  public:
     struct Known {
         const PartMasks* masks = nullptr;   // null: the point is unknown
+        std::uint32_t cells = 0;            // which cells they are of: as add() said
         // A bit for each open cell of these, in their order: whether rays went there, and whether they left the scene.
         const std::uint64_t *traced = nullptr, *seen = nullptr;
     };
@@ -24,8 +25,10 @@ class PointMemory {
     void begin_frame();
     /// Valid until the next add() or begin_frame().
     Known find(const visibility::ShadowPoint& point);
-    /// @param bits  of the open cells of `masks`: words of those that were traced, then as many of those seen
-    void add(const visibility::ShadowPoint& point, const PartMasks& masks, const std::vector<std::uint64_t>& bits);
+    /// @param cells  a number of theirs
+    /// @param bits   of the open cells of `masks`: words of those that were traced, then as many of those seen
+    void add(const visibility::ShadowPoint& point, const PartMasks& masks, std::uint32_t cells,
+             const std::vector<std::uint64_t>& bits);
     void forget() { now_ = {}, before_ = {}; }
     std::size_t bytes() const { return now_.bytes() + before_.bytes(); }
 
@@ -38,6 +41,7 @@ class PointMemory {
         Key key;
         const PartMasks* masks = nullptr;   // null: no entry
         std::uint32_t first = 0, words = 0;
+        std::uint32_t cells = 0;
     };
     struct Table {
         std::vector<Entry> entries;   // a power of two, or none
@@ -48,7 +52,7 @@ class PointMemory {
             return entries.capacity() * sizeof(Entry) + seen.capacity() * sizeof(std::uint64_t);
         }
         const Entry* find(const Key& key) const;
-        void add(const Key& key, const PartMasks* masks, const std::uint64_t* words, std::uint32_t count);
+        void add(const Entry& entry, const std::uint64_t* words);
     };
     static Key key_of(const visibility::ShadowPoint& point);
 

@@ -248,6 +248,7 @@ bool FrameEngine::continue_with(const std::shared_ptr<const scene::Scene>& scene
     nah_.reset();
     map_.reset();
     raster_.reset();
+    if (next->other_environment) cache_.reset();   // its surfaces were lit by the image
     return true;
 }
 

@@ -24,12 +24,13 @@ bool same_skins(const std::vector<Skin>& a, const std::vector<Skin>& b)
     });
 }
 
+// Whether two backgrounds are the same but for their images.
 bool same_background(const Background& a, const Background& b)
 {
     return a.kind == b.kind && same_bits(a.color, b.color) && same_bits(a.zenith, b.zenith) &&
            same_bits(a.horizon, b.horizon) && same_bits(a.ground, b.ground) &&
            same_bits(a.sun_direction, b.sun_direction) && same_bits(a.sun_radiance, b.sun_radiance) &&
-           a.environment == b.environment;
+           (a.environment == nullptr) == (b.environment == nullptr);
 }
 
 bool same_timeline(const Timeline& a, const Timeline& b)
@@ -67,6 +68,7 @@ class Numbering {
                           same_bits(before_.ambient, wanted_.ambient) &&
                           same_timeline(before_.timeline, wanted_.timeline) && !wanted_.nodes.empty();
         if (!same || !compare_nodes() || !compare_lights() || !compare_textures()) return {};
+        result_.other_environment = before_.background.environment != wanted_.background.environment;
         number_meshes();
         if (!compare_materials()) return {};
         keep_objects();
@@ -118,9 +120,10 @@ class Numbering {
                 a.of_surface != b.of_surface || a.track != b.track)
                 return false;
             if (a.node == b.node && stays(b.node)) continue;
-            // The node of a default light comes after all others, so it may be another one in the same place.
-            if (!rests(before_, a.node) || !rests(wanted_, b.node) ||
-                !same_bits(before_.world_matrix(a.node, 0), wanted_.world_matrix(b.node, 0)))
+            // The node of a default light comes after all others, so it may be another one in the same place. Those
+            // that approximate an image may be elsewhere.
+            if (!rests(before_, a.node) || !rests(wanted_, b.node)) return false;
+            if (!b.of_environment && !same_bits(before_.world_matrix(a.node, 0), wanted_.world_matrix(b.node, 0)))
                 return false;
         }
         return true;

@@ -8,7 +8,8 @@
 // with the same mesh. What is new comes at the end.
 //
 // Only dynamic objects can be added or removed. Static geometry, lights, tracks and skins must stay as they are,
-// because nearly everything that is remembered depends on them.
+// because nearly everything that is remembered depends on them. An environment image may be replaced by another one,
+// with the lights that approximate it.
 //
 // Cost: O(nodes + objects + meshes + materials), comparisons for the most part.
 
@@ -25,13 +26,15 @@ struct Continuation {
     std::vector<NodeId> replaced;   // new, or different from before, or below such a node; ascending
     std::vector<ObjectId> added;    // ascending, as the next list
     std::vector<ObjectId> removed;
+    bool other_environment = false;   // another image than before
     std::vector<MaterialId> edited;   // values differ, in use before and after; same_to_rays() to before
 };
 
 /// Numbers a scene's parts as another scene has them.
 /// @param before  the scene so far: one that was finished, or that of a continuation
 /// @param wanted  a finished scene
-/// @return  none if more differs than dynamic objects, cameras, and values of lights and materials; or if so much was
+/// @return  none if more differs than dynamic objects, cameras, values of lights and materials, and the image of an
+/// environment; or if so much was
 /// removed that it is better to begin anew
 std::optional<Continuation> continuation(const Scene& before, const Scene& wanted);
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace gnomon::shadow_textures {
 
@@ -20,24 +19,23 @@ const LightView* view_of(std::span<const LightView> views, const glm::vec3& poin
         const float inside = 1 - 2 * static_cast<float>(border) / static_cast<float>(dense.size);
         return &views[std::abs(clip.x) <= inside && std::abs(clip.y) <= inside ? 0 : 1];
     }
-    const glm::vec3 d = point - views[0].projection.origin, size = glm::abs(d);
+    const glm::vec3 d = point - views[0].projection.origin;
+    if (views.size() == 5) {
+        // Half of a cube: the top, then +s -s +t -t (light_views/projection.h).
+        const ViewProjection& top = views[0].projection;
+        const float s = glm::dot(d, glm::normalize(top.across)), t = glm::dot(d, glm::normalize(top.down));
+        if (std::max(std::abs(s), std::abs(t)) <= glm::dot(d, top.forward)) return &views[0];
+        return &views[std::abs(s) >= std::abs(t) ? (s >= 0 ? 1 : 2) : (t >= 0 ? 3 : 4)];
+    }
+    const glm::vec3 size = glm::abs(d);
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     const int face = 2 * axis + (d[axis] < 0);
     return &views[static_cast<std::size_t>(face)];
 }
 
-namespace {
-
-// The place of a point in a view, in texels.
-struct Place {
-    glm::vec2 at{0};
-    float own = 0;                // distance of the point along the view
-    std::optional<float> known;   // the result where no texel is needed
-};
-
-Place place_of(const ViewProjection& view, const glm::vec3& point, const glm::vec3& normal)
+ViewPlace place_in_view(const ViewProjection& view, const glm::vec3& point, const glm::vec3& normal)
 {
-    Place place;
+    ViewPlace place;
     const glm::vec3 to_light = view.perspective ? view.origin - point : -view.forward;
     const glm::vec4 clip = view.clip_from_world * glm::vec4(point, 1);
     const auto size = static_cast<float>(view.size);
@@ -49,6 +47,28 @@ Place place_of(const ViewProjection& view, const glm::vec3& point, const glm::ve
         place.known = 1.0f;
     return place;
 }
+
+SurfaceInView::SurfaceInView(const ViewProjection& view, const ViewPlace& place, const glm::vec3& point,
+                             const glm::vec3& normal)
+    : view_(view),
+      normal_(normal),
+      own_(place.own),
+      texel_(2 * glm::length(view.across) / static_cast<float>(view.size) * (view.perspective ? place.own : 1.0f)),
+      above_(glm::dot(normal, point - view.origin))
+{
+}
+
+float SurfaceInView::distance_at(int x, int y) const
+{
+    const auto size = static_cast<float>(view_.size);
+    const float cx = 2 * (static_cast<float>(x) + 0.5f) / size - 1, cy = 2 * (static_cast<float>(y) + 0.5f) / size - 1;
+    const glm::vec3 offset = cx * view_.across + cy * view_.down;
+    const glm::vec3 ray = view_.perspective ? view_.forward + offset : view_.forward;
+    const float plane = (above_ - (view_.perspective ? 0 : glm::dot(normal_, offset))) / glm::dot(normal_, ray);
+    return plane > 0 && plane < own_ ? plane : own_;
+}
+
+namespace {
 
 // Filters with a box around a place; each texel is weighted by the area that the box covers.
 // @param lit  of a texel, within the view
@@ -74,34 +94,22 @@ float filtered(const glm::vec2& at, float filter, int size, const Lit& lit_at)
 float visibility(const ViewProjection& view, const SoftwareBuffer& buffer, const glm::vec3& point,
                  const glm::vec3& normal, scene::ObjectId object, const LookupOptions& options)
 {
-    const Place place = place_of(view, point, normal);
+    const ViewPlace place = place_in_view(view, point, normal);
     if (place.known) return *place.known;
 
-    // Compute the width of a texel at the point, and the point's height above the view's origin along the normal.
-    const auto size = static_cast<float>(view.size);
-    const float own = place.own;
-    const float texel = 2 * glm::length(view.across) / size * (view.perspective ? own : 1.0f);
-    const float above = glm::dot(normal, point - view.origin);
-
     // Compare distances at each texel's centre.
+    const SurfaceInView surface(view, place, point, normal);
     return filtered(place.at, options.filter, view.size, [&](int x, int y) {
         const std::size_t i = buffer.at(x, y);
-        const float nearest = view.distance_of(buffer.depth[i]);
-        const float cx = 2 * (static_cast<float>(x) + 0.5f) / size - 1,
-                    cy = 2 * (static_cast<float>(y) + 0.5f) / size - 1;
-        const glm::vec3 offset = cx * view.across + cy * view.down;
-        const glm::vec3 ray = view.perspective ? view.forward + offset : view.forward;
-        const float plane = (above - (view.perspective ? 0 : glm::dot(normal, offset))) / glm::dot(normal, ray);
-        const float here = plane > 0 && plane < own ? plane : own;
-        const float margin = texel * (buffer.item[i] == object + 1 ? options.self_margin : options.other_margin);
-        return nearest >= here - margin;
+        const float margin = buffer.item[i] == object + 1 ? options.self_margin : options.other_margin;
+        return view.distance_of(buffer.depth[i]) >= surface.distance_at(x, y) - surface.texel() * margin;
     });
 }
 
 float visibility_as_printed(const ViewProjection& view, const ReceiverTexture& texture, const glm::vec3& point,
                             const glm::vec3& normal, const LookupOptions& options)
 {
-    const Place place = place_of(view, point, normal);
+    const ViewPlace place = place_in_view(view, point, normal);
     if (place.known) return *place.known;
     return filtered(place.at, options.filter, view.size, [&](int x, int y) { return texture.lit(x, y); });
 }

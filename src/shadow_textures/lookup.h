@@ -16,6 +16,8 @@
 // is white. Where another object, or another part of the same one, lies within a texel, that is wrong; the device
 // counts in how many results.
 
+#include <optional>
+
 #include "shadow_textures/software_textures.h"
 
 namespace gnomon::shadow_textures {
@@ -32,6 +34,30 @@ struct LookupOptions {
 /// @param border  of the projections, so that a filter at the edge of the lit part stays inside the view
 const light_views::LightView* view_of(std::span<const light_views::LightView> views, const glm::vec3& point,
                                       int border = light_views::ProjectionOptions().border);
+
+/// The place of a point in a view, in texels.
+struct ViewPlace {
+    glm::vec2 at{0};
+    float own = 0;                // distance of the point along the view
+    std::optional<float> known;   // its visibility where no texel is needed: behind its surface, or outside the view
+};
+ViewPlace place_in_view(const light_views::ViewProjection& view, const glm::vec3& point, const glm::vec3& normal);
+
+/// The tangent plane of a point as the texels of a view meet it.
+class SurfaceInView {
+ public:
+    SurfaceInView(const light_views::ViewProjection& view, const ViewPlace& place, const glm::vec3& point,
+                  const glm::vec3& normal);
+    /// The plane's distance along the view at a texel's centre, or the point's if that is nearer.
+    float distance_at(int x, int y) const;
+    /// The width of a texel at the point.
+    float texel() const { return texel_; }
+
+ private:
+    const light_views::ViewProjection& view_;
+    glm::vec3 normal_;
+    float own_, texel_, above_;
+};
 
 /// Returns 1 if lit, 0 in shadow, values between them at a filtered edge. A point outside the view is lit.
 /// @param normal  unit, geometric, on the visible side; a light behind it gives 0

@@ -225,11 +225,11 @@ TEST(Json, BenchLights)
                                  "--samples", "4", "256", "--check", "8", "--side", "0.5", "--json", "--quiet"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const json document = outcome.json();
-    EXPECT_EQ(keys_of(document), (Keys{"bytes", "opponents", "rows", "truth_rmse"}));
+    EXPECT_EQ(keys_of(document), (Keys{"bytes", "opponents", "rows", "soft_textures", "truth_rmse"}));
     ASSERT_EQ(document["rows"].size(), 1u);
     const json row = document["rows"][0];
     EXPECT_EQ(keys_of(row), (Keys{"dark", "light", "listed_triangles", "lit", "max_abs", "ms_cold", "ms_steady",
-                                  "penumbra", "points", "rmse", "segments", "unproven", "wrong"}));
+                                  "penumbra", "points", "rmse", "segments", "soft_rmse", "unproven", "wrong"}));
     EXPECT_GT(row["segments"], 1000);
     EXPECT_EQ(row["wrong"], 0);
     EXPECT_NEAR(row["lit"].get<double>() + row["dark"].get<double>() + row["penumbra"].get<double>() +

@@ -222,6 +222,51 @@ TEST(EnvironmentFrame, AStillViewCostsNoRays)
     EXPECT_EQ(renderer.render(scene, 1).counters.shadow.rays, 0u);
 }
 
+// A turned image, frame by frame, with the renderer kept: the bytes of a new one. Rays go to what changed alone: of an
+// even sky next to nothing, of one with a sun the cells that the sun left and those where it is now.
+TEST(EnvironmentFrame, ATurnedImageKeepsWhatIsSeenInOtherDirections)
+{
+    for (const bool has_sun : {false, true})
+        for (const Indirect indirect : {Indirect::off, Indirect::visible}) {
+            std::vector<float> sky = uneven_sky(64, 32);
+            if (!has_sun)
+                for (float& value : sky) value = std::min(value, 1.0f);
+            const auto image_turned = [&](std::size_t by) {
+                std::vector<float> pixels(sky.size());
+                for (std::size_t y = 0; y < 32; ++y)
+                    for (std::size_t x = 0; x < 64; ++x)
+                        for (std::size_t c = 0; c < 3; ++c)
+                            pixels[3 * (64 * y + (x + by) % 64) + c] = sky[3 * (64 * y + x) + c];
+                return pixels;
+            };
+            RenderOptions options = options_of(32);
+            options.indirect = indirect;
+            SceneBuilder builder(load("builtin:spheres?objects=20&dynamic=0"));
+            std::vector<float> pixels = image_turned(0);
+            builder.environment({.width = 64, .height = 32, .pixels = pixels});
+            Scene scene = builder.finish();
+            Renderer kept(options);
+            const FrameInput input;
+            const std::uint64_t first = kept.render(scene, input).counters.shadow.rays;
+            for (const std::size_t by : {1, 40}) {
+                pixels = image_turned(by);
+                SceneBuilder edit(scene);
+                edit.environment({.width = 64, .height = 32, .pixels = pixels});
+                scene = edit.finish();
+                const Frame frame = kept.render(scene, input);
+                EXPECT_EQ(colours(frame), colours(Renderer(options).render(scene, input))) << by;
+                EXPECT_LT(frame.counters.shadow.rays, has_sun ? first * 4 / 5 : first / 15) << by;
+            }
+            // While the last image stays, a frame costs what it costs without others before it.
+            Renderer other(options);
+            std::uint64_t still = 0;
+            for (int frame = 0; frame < 3; ++frame) still = other.render(scene, input).counters.shadow.rays;
+            EXPECT_LT(still, first / 100);
+            kept.render(scene, input);
+            EXPECT_EQ(kept.render(scene, input).counters.shadow.rays, still);
+        }
+}
+
 // The floor under a straight edge: the visible part of the sun's disc is a segment of a circle.
 TEST(SunFrame, HasThePenumbraOfADisc)
 {
@@ -266,7 +311,7 @@ TEST(SunFrame, HasThePenumbraOfADisc)
 TEST(SunFrame, ASmallSunIsNearlyAPoint)
 {
     const Scene scene = load("builtin:spheres?objects=20&dynamic=5");
-    RenderOptions options = options_of(48);
+    RenderOptions options = options_of(32);
     const std::vector<float> point = colours(Renderer(options).render(scene, 2));
     options.sun_size = 0.05;
     const std::vector<float> small = colours(Renderer(options).render(scene, 2));
