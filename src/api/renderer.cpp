@@ -333,7 +333,7 @@ scene::View Renderer::Impl::make_view(const Wanted& wanted, const FrameInput& in
         return scene::make_view(*wanted.camera, wanted.camera_to_world, wanted.size);
     }
     const scene::View view = engine.make_view(wanted.scene_camera, wanted.size, wanted.turn);
-    const scene::Camera& described = host.values().scene()->cameras[wanted.scene_camera];
+    const scene::Camera& described = engine.state()->scene().cameras[wanted.scene_camera];
     placed = {described, wanted.turn ? scene::matrix_of(view)
                                      : scene::placed(described, engine.state()->world(described.node), wanted.size)};
     placed.camera.fit.reset();   // it stands where this image needs it

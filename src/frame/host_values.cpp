@@ -129,8 +129,10 @@ void HostValues::settle()
     for (const auto& [light, values] : lights_.all()) remade->lights[light].type = values.type;
     for (const auto& [material, values] : materials_.all()) {
         std::string name = std::move(remade->materials[material].name);
+        auto track = std::move(remade->materials[material].track);
         remade->materials[material] = values;
         remade->materials[material].name = std::move(name);
+        remade->materials[material].track = std::move(track);
     }
     remade->finish();
     scene_ = std::move(remade);
@@ -191,10 +193,15 @@ template <class Act>
 void HostValues::each_kind(scene::SceneState& state, const Act& act) const
 {
     each_kind_of_geometry(state, act);
-    act([&](scene::LightId l, const scene::Light* values) { state.set_light(l, values ? *values : given_->lights[l]); },
+    act(
+        [&](scene::LightId l, const scene::Light* values) {
+            values ? state.set_light(l, *values) : state.release_light(l, given_->lights[l]);
+        },
         lights_);
-    act([&](scene::MaterialId m,
-            const scene::Material* values) { state.set_material(m, values ? *values : given_->materials[m]); },
+    act(
+        [&](scene::MaterialId m, const scene::Material* values) {
+            values ? state.set_material(m, *values) : state.release_material(m, given_->materials[m]);
+        },
         materials_);
 }
 

@@ -117,7 +117,7 @@ class Numbering {
         for (std::size_t l = 0; l < wanted_.lights.size(); ++l) {
             const Light &a = before_.lights[l], &b = wanted_.lights[l];
             if (a.type != b.type || a.of_environment != b.of_environment || a.by_default != b.by_default ||
-                a.of_surface != b.of_surface)
+                a.of_surface != b.of_surface || a.track != b.track)
                 return false;
             if (a.node == b.node && stays(b.node)) continue;
             // The node of a default light comes after all others, so it may be another one in the same place. Those
@@ -164,6 +164,7 @@ class Numbering {
         for (std::size_t m = 0; m < before_.materials.size(); ++m) {
             const Material &old = before_.materials[m], &now = wanted_.materials[m];
             const auto id = static_cast<MaterialId>(m);
+            if (old.track != now.track) return false;
             if (same_values(old, now) || !was_used(id)) continue;
             if (!same_to_rays(old, now)) return false;
             result_.edited.push_back(id);

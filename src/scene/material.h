@@ -12,6 +12,7 @@
 namespace gnomon::scene {
 
 struct MaterialLayers;
+struct MaterialTrack;
 
 enum class ShadingModel : std::uint8_t { metallic_roughness, whitted, unlit };
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };
@@ -61,6 +62,8 @@ struct Material {
     float transmittance = 0;   // T
     float ior = 1.5f;          // index of refraction inside
 
+    std::shared_ptr<const MaterialTrack> track;   // value_tracks.h; null: the values do not change by themselves
+
     SurfaceClass surface_class() const
     {
         if (transmittance > 0 || transmission > 0 || alpha_mode == AlphaMode::blend || outline)
@@ -77,7 +80,7 @@ bool thins_light(const Material& material);
 /// All textures that a material may use.
 std::vector<const TextureUse*> texture_uses(const Material& material);
 
-/// Whether two materials have the same values, bit for bit; names aside.
+/// Whether two materials have the same values, bit for bit; names and tracks aside.
 bool same_values(const Material& a, const Material& b);
 /// Whether rays meet the same surfaces with either material: the class and the visible sides are the same, and of
 /// masked ones the holes. Only a material that is the same to rays may take the place of another in a SceneState.

@@ -6,6 +6,7 @@
 #include "base/bits.h"
 #include "base/check.h"
 #include "scene/state.h"
+#include "scene/value_tracks.h"
 
 namespace gnomon::scene {
 
@@ -80,16 +81,30 @@ void SceneState::override_vertices(ObjectId object, std::shared_ptr<const Deform
 
 void SceneState::set_light(LightId light, const Light& values)
 {
+    lights_held_.insert(light);
+    note_light(light, values);
+}
+
+void SceneState::release_light(LightId light, const Light& rest)
+{
+    lights_held_.erase(light);
+    note_light(light, rest);
+}
+
+// Notes a light's values for the next advance(), which compares those of one with a track.
+void SceneState::note_light(LightId light, const Light& values)
+{
     GNOMON_CHECK_LT(light, scene_->lights.size());
     const Light& now = scene_->lights[light];
     Light wanted = values;
     wanted.name = now.name;
     wanted.type = now.type;
     wanted.node = now.node;
+    wanted.track = now.track;
     wanted.of_environment = now.of_environment;
     wanted.by_default = now.by_default;
     wanted.of_surface = now.of_surface;
-    if (same_reach(wanted, now) && same_bits(wanted.color, now.color))
+    if (!now.track && same_reach(wanted, now) && same_bits(wanted.color, now.color))
         lights_due_.erase(light);
     else
         lights_due_[light] = std::move(wanted);
@@ -97,16 +112,30 @@ void SceneState::set_light(LightId light, const Light& values)
 
 void SceneState::set_material(MaterialId material, const Material& values)
 {
+    materials_held_.insert(material);
+    note_material(material, values);
+}
+
+void SceneState::release_material(MaterialId material, const Material& rest)
+{
+    materials_held_.erase(material);
+    note_material(material, rest);
+}
+
+// Notes a material's values for the next advance(), which compares those of one with a track.
+void SceneState::note_material(MaterialId material, const Material& values)
+{
     GNOMON_CHECK_LT(material, scene_->materials.size());
     const Material& now = scene_->materials[material];
     GNOMON_CHECK(same_to_rays(values, now));
-    if (same_values(values, now)) {
+    if (!now.track && same_values(values, now)) {
         materials_due_.erase(material);
         return;
     }
     Material& wanted = materials_due_[material];
     wanted = values;
     wanted.name = now.name;
+    wanted.track = now.track;
 }
 
 void SceneState::keep_overrides(const Overridden& kept)
@@ -125,23 +154,27 @@ void SceneState::keep_overrides(const Overridden& kept)
     release(vertices_, by_node(kept.vertices), [&](ObjectId o) { override_vertices(o, nullptr); });
     release(weights_, by_node(kept.weights), [&](ObjectId o) { override_weights(o, {}); });
     for (LightId l = 0; l < base_->lights.size(); ++l)
-        if (!kept.light(l)) set_light(l, base_->lights[l]);
+        if (!kept.light(l)) release_light(l, base_->lights[l]);
     for (MaterialId m = 0; m < base_->materials.size(); ++m)
-        if (!kept.material(m)) set_material(m, base_->materials[m]);
+        if (!kept.material(m)) release_material(m, base_->materials[m]);
 }
 
-// Writes the values of lights and materials that were set into the scene, and lists what differs.
+// Writes the values of lights and materials that were set, or that tracks may have changed, into the scene, and lists
+// what differs.
 void SceneState::apply_values()
 {
     for (auto& [id, wanted] : lights_due_) {
         Light& light = scene_->lights[id];
+        if (light.track && !lights_held_.contains(id)) light.track->apply(time_, wanted);
         if (!same_reach(wanted, light)) changes_.lights_moved.push_back(id);
         if (!same_bits(wanted.color, light.color)) changes_.lights_relit.push_back(id);
         light = std::move(wanted);
     }
     for (auto& [id, wanted] : materials_due_) {
-        changes_.materials_changed.push_back(id);
-        scene_->materials[id] = std::move(wanted);
+        Material& material = scene_->materials[id];
+        if (material.track && !materials_held_.contains(id)) material.track->apply(time_, wanted);
+        if (!same_values(wanted, material)) changes_.materials_changed.push_back(id);
+        material = std::move(wanted);
     }
     changes_.touched_nodes += lights_due_.size() + materials_due_.size();
     lights_due_.clear();

@@ -40,6 +40,8 @@ struct Node {
     bool may_move() const { return animated || transform || visibility; }
 };
 
+struct CameraTrack;
+
 struct Skin {
     std::string name;
     std::vector<NodeId> joints;
@@ -53,9 +55,10 @@ struct Camera {
     double vertical_fov = 0.8;        // whole angle, radians; perspective
     double orthographic_height = 0;   // whole height of the view in scene units; > 0: orthographic instead
     double near = 0.01;
-    double far = 0;        // 0: infinite
-    Size resolution{};     // the file's own, if given
-    glm::dvec2 shift{0};   // of the image plane, right and up, in heights of the image
+    double far = 0;                             // 0: infinite
+    Size resolution{};                          // the file's own, if given
+    std::shared_ptr<const CameraTrack> track;   // value_tracks.h; null: the values do not change by themselves
+    glm::dvec2 shift{0};                        // of the image plane, right and up, in heights of the image
     // These replace the projection above; the first that is given counts.
     std::optional<glm::dmat4> projection;   // is_projection(); with near and far of its own
     std::optional<Intrinsics> intrinsics;

@@ -5,6 +5,7 @@
 
 #include "base/interruption.h"
 #include "scene/file_surfaces.h"
+#include "scene/value_tracks.h"
 
 namespace gnomon::scene {
 
@@ -102,6 +103,7 @@ void find_solid_blends(Scene& scene, const std::vector<bool>& keep)
         for (const MeshPart& part : mesh.parts) {
             const Material& material = scene.materials[part.material];
             if (material.alpha_mode != AlphaMode::blend || material.alpha < 1) continue;
+            if (material.track && material.track->alpha_changes) continue;
             if (part.material < keep.size() && keep[part.material]) continue;
             interruption_point();
             const TextureUse& use = material.base_color_texture;

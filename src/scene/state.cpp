@@ -9,12 +9,14 @@
 #include "base/volume.h"
 #include "scene/change_index.h"
 #include "scene/continuation.h"
+#include "scene/value_tracks.h"
 
 namespace gnomon::scene {
 
 // The objects, lights, cameras, groups and skins of each node, and when tracks change. Built once.
 struct SceneState::Index {
     ChangeIndex transforms, visibilities, deformations;   // ids: nodes, nodes, objects
+    ChangeIndex lights, materials, cameras;               // with tracks of values
     std::vector<ObjectId> object_at;                      // by node
     std::unordered_map<NodeId, std::vector<LightId>> lights_at;
     std::unordered_map<NodeId, bool> cameras_at;
@@ -37,6 +39,19 @@ void sort_unique(std::vector<T>& v)
     v.erase(std::unique(v.begin(), v.end()), v.end());
 }
 
+// When the tracks of lights, materials or cameras change.
+template <class T>
+ChangeIndex index_of(const std::vector<T>& parts)
+{
+    ChangeIndex index;
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        if (parts[i].track)
+            for (const Interval& interval : parts[i].track->changing())
+                index.add(static_cast<std::uint32_t>(i), interval);
+    index.build();
+    return index;
+}
+
 }   // namespace
 
 void SceneState::Index::find_parts(const Scene& scene)
@@ -52,6 +67,7 @@ void SceneState::Index::find_parts(const Scene& scene)
     group_at.clear();
     for (std::size_t g = 0; g < scene.groups.size(); ++g)
         if (!scene.groups[g].objects.empty()) group_at[scene.groups[g].anchor] = static_cast<GroupId>(g);
+    cameras = index_of(scene.cameras);   // a continuation may have others
 }
 
 SceneState::Index::Index(const Scene& scene) : skinned_by(scene.skins.size())
@@ -75,6 +91,8 @@ SceneState::Index::Index(const Scene& scene) : skinned_by(scene.skins.size())
     for (std::size_t s = 0; s < scene.skins.size(); ++s)
         if (!skinned_by[s].empty())
             for (const NodeId joint : scene.skins[s].joints) skins_at[joint].push_back(static_cast<SkinId>(s));
+    lights = index_of(scene.lights);
+    materials = index_of(scene.materials);
     transforms.build();
     visibilities.build();
     deformations.build();
@@ -96,6 +114,11 @@ SceneState::SceneState(const std::shared_ptr<const Scene>& scene, double time)
     node_visible_.resize(nodes);
     visited_.assign(nodes, 0);
     joints_.resize(scene_->skins.size());
+    for (Light& light : scene_->lights)
+        if (light.track) light.track->apply(time_, light);
+    for (Material& material : scene_->materials)
+        if (material.track) material.track->apply(time_, material);
+    apply_camera_tracks();
     skin_due_.assign(scene_->skins.size(), 0);
     for (std::size_t n = 0; n < nodes; ++n) {
         const Node& node = scene_->nodes[n];
@@ -127,6 +150,12 @@ void SceneState::deform_first(ObjectId object)
     deform(object);
 }
 
+void SceneState::apply_camera_tracks()
+{
+    for (Camera& camera : scene_->cameras)
+        if (camera.track) camera.track->apply(time_, camera);
+}
+
 void SceneState::continue_with(const Continuation& next)
 {
     GNOMON_CHECK(taken_objects_.empty());
@@ -150,9 +179,12 @@ void SceneState::continue_with(const Continuation& next)
         if (same_values(base_->materials[m], scene.materials[m]) ||
             std::binary_search(next.edited.begin(), next.edited.end(), static_cast<MaterialId>(m)))
             scene.materials[m] = scene_->materials[m];
+        else if (scene.materials[m].track)
+            scene.materials[m].track->apply(time_, scene.materials[m]);
     *scene_ = std::move(scene);
     base_ = next.scene;
     index_->find_parts(*scene_);
+    apply_camera_tracks();
     bounds_.reset();
 
     // Begin with replaced nodes as if they had been hidden; the next advance() evaluates them.
@@ -224,6 +256,7 @@ const FrameChanges& SceneState::advance(double time)
     strays_.clear();
 
     // Apply the values of lights and materials.
+    collect_values(before);
     apply_values();
 
     // Update the nodes that differ and those below, parents first.
@@ -244,6 +277,27 @@ const FrameChanges& SceneState::advance(double time)
     note_lists();
     if (bounds_) bounds_->follow(*this);
     return changes_;
+}
+
+// Collects the lights and materials whose tracks change between the two times, unless an override takes their place,
+// and evaluates the tracks of cameras.
+void SceneState::collect_values(double before)
+{
+    index_->lights.query(before, time_, due_);
+    for (const LightId id : due_)
+        if (!lights_held_.contains(id)) lights_due_.try_emplace(id, scene_->lights[id]);
+    index_->materials.query(before, time_, due_);
+    for (const MaterialId id : due_)
+        if (!materials_held_.contains(id)) materials_due_.try_emplace(id, scene_->materials[id]);
+    index_->cameras.query(before, time_, due_);
+    changes_.touched_nodes += due_.size();
+    for (const CameraId id : due_) {
+        const Camera old = scene_->cameras[id];
+        Camera& camera = scene_->cameras[id];
+        camera.track->apply(time_, camera);
+        if (camera.vertical_fov != old.vertical_fov || camera.orthographic_height != old.orthographic_height)
+            changes_.camera_moved = true;
+    }
 }
 
 // Evaluates the tracks that change between the two times and the overrides that were set; collects the nodes that may

@@ -8,7 +8,8 @@
 //
 // A user or a host may override what tracks and the scene's description give: transforms, visibility, morph weights,
 // vertices, and the values of lights and materials. The state owns a copy of the scene (which shares meshes and
-// textures); only the values of lights and materials in it ever change, and only in advance().
+// textures); only the values of lights, materials and cameras in it ever change: by tracks and overrides, and only in
+// advance().
 //
 // Cost of advance(): the tracks that change between the two times, what was overridden with other values, and the nodes
 // below those that moved. Objects at rest are not visited; `touched_nodes` counts the visits.
@@ -17,6 +18,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <unordered_map>
 #include <vector>
@@ -54,7 +56,7 @@ struct FrameChanges {
     std::vector<MaterialId> materials_changed;   // any value differs
     std::vector<LightId> lights_started;
     std::vector<LightId> lights_stopped;
-    bool camera_moved = false;         // any camera
+    bool camera_moved = false;         // any camera, or its field of view differs
     std::uint64_t touched_nodes = 0;   // tracks evaluated and nodes visited
 
     bool anything() const
@@ -71,7 +73,7 @@ class SceneState {
     SceneState(const std::shared_ptr<const Scene>& scene, double time);
     ~SceneState();
 
-    /// The state's own copy of the scene, with the present values of lights and materials. It stays in place.
+    /// The state's own copy of the scene, with the present values of lights, materials and cameras. It stays in place.
     const Scene& scene() const { return *scene_; }
     std::shared_ptr<const Scene> shared_scene() const { return scene_; }
     double time() const { return time_; }
@@ -146,17 +148,22 @@ class SceneState {
     /// space, but in world space if it is skinned. nullptr removes the override. Normals and tangents may be left out:
     /// see complete_vertices(). The mesh must not be written to afterwards.
     void override_vertices(ObjectId object, std::shared_ptr<const DeformedMesh> vertices);
-    /// The values of a light from now on. Its name, node, type, of_environment, by_default and of_surface stay as they
-    /// are.
+    /// The values of a light from now on, instead of those of its track. Its name, node, type, track, of_environment,
+    /// by_default and of_surface stay as they are.
     void set_light(LightId light, const Light& values);
-    /// The values of a material from now on; its name stays. @pre same_to_rays() to the present one
+    /// The values of a material from now on, instead of those of its track; its name and track stay.
+    /// @pre same_to_rays() to the present one
     void set_material(MaterialId material, const Material& values);
+    /// The light has its own values again: those of its track, and `rest` where that gives none.
+    void release_light(LightId light, const Light& rest);
+    /// The same for a material. @pre `rest` is same_to_rays() to the present one
+    void release_material(MaterialId material, const Material& rest);
 
     /// Which overrides a host has, by node, light and material.
     struct Overridden {
         std::function<bool(std::uint32_t)> transform, visibility, weights, vertices, light, material;
     };
-    /// Removes the overrides that a host does not have; lights and materials get the values of base().
+    /// Removes the overrides that a host does not have; lights and materials get the values of base() or their tracks.
     void keep_overrides(const Overridden& kept);
 
     /// Whether an override gives the object another place or shape than its tracks and its description do now.
@@ -168,7 +175,11 @@ class SceneState {
     struct Index;
     void collect_roots(double before, std::vector<NodeId>& roots);
     void collect_shapes(double before);
+    void collect_values(double before);
     void apply_values();
+    void apply_camera_tracks();
+    void note_light(LightId light, const Light& values);
+    void note_material(MaterialId material, const Material& values);
     bool node_displaced(NodeId node) const;
     std::vector<float> tracked_weights(ObjectId object) const;
     void evaluate_node(NodeId node);
@@ -203,6 +214,8 @@ class SceneState {
     std::unordered_map<ObjectId, std::shared_ptr<const DeformedMesh>> vertices_;
     std::vector<NodeId> transforms_due_, visibilities_due_;
     std::vector<ObjectId> shapes_due_;
+    std::set<LightId> lights_held_;   // overridden, so that their tracks do not count; so for the next
+    std::set<MaterialId> materials_held_;
     std::map<LightId, Light> lights_due_;
     std::map<MaterialId, Material> materials_due_;
     std::vector<ObjectId> strays_;                    // members whose visibility differs from their group's

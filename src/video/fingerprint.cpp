@@ -9,6 +9,7 @@
 #include "scene/environment.h"
 #include "scene/material_layers.h"
 #include "scene/scene.h"
+#include "scene/value_tracks.h"
 #include "video/frames_folder.h"
 
 namespace gnomon::video {
@@ -101,14 +102,19 @@ void add_texture(Fingerprint& print, const scene::Texture& texture)
     print.add_all(texture.levels().front().data);
 }
 
+void add_light_values(Fingerprint& print, const scene::Light& light)
+{
+    print.add(light.color);
+    print.add(light.inner_angle), print.add(light.outer_angle), print.add(light.range);
+}
+
 void add_lights(Fingerprint& print, const scene::Scene& scene)
 {
     print.add(scene.lights.size());
     for (const scene::Light& light : scene.lights) {
         print.add(light.type), print.add(light.falloff), print.add(light.profile), print.add(light.node);
-        print.add(light.color), print.add(light.of_environment), print.add(light.by_default),
-            print.add(light.of_surface);
-        print.add(light.inner_angle), print.add(light.outer_angle), print.add(light.range);
+        print.add(light.of_environment), print.add(light.by_default), print.add(light.of_surface);
+        add_light_values(print, light);
     }
     const scene::Background& background = scene.background;
     print.add(background.kind);
@@ -152,6 +158,22 @@ void at_each_change(const std::vector<double>& times, const std::vector<scene::I
     }
 }
 
+// Adds the values that tracks give lights, materials or cameras.
+template <class T>
+void add_value_tracks(Fingerprint& print, const std::vector<T>& parts, const std::vector<double>& times,
+                      const std::function<void(const T&)>& add_values)
+{
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        if (!parts[i].track) continue;
+        print.add(i);
+        T now = parts[i];
+        at_each_change(times, now.track->changing(), [&](double t) {
+            now.track->apply(t, now);
+            add_values(now);
+        });
+    }
+}
+
 // Adds the values of tracks at the frames' times, or at some of them, evenly spaced, for a long clip.
 void add_tracks(Fingerprint& print, const scene::Scene& scene)
 {
@@ -183,6 +205,13 @@ void add_tracks(Fingerprint& print, const scene::Scene& scene)
             for (const bool visible : node.visibility->visible) print.add(visible);
         }
     }
+    add_value_tracks<scene::Light>(print, scene.lights, times,
+                                   [&](const scene::Light& light) { add_light_values(print, light); });
+    add_value_tracks<scene::Material>(print, scene.materials, times,
+                                      [&](const scene::Material& material) { add_material(print, material); });
+    add_value_tracks<scene::Camera>(print, scene.cameras, times, [&](const scene::Camera& camera) {
+        print.add(camera.vertical_fov), print.add(camera.orthographic_height);
+    });
 }
 }   // namespace
 

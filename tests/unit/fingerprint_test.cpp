@@ -9,6 +9,7 @@
 
 #include "scene/environment.h"
 #include "scene/keyframe_track.h"
+#include "scene/value_tracks.h"
 #include "scene_helpers.h"
 #include "video/frames_folder.h"
 
@@ -148,6 +149,24 @@ const std::map<std::string, Edit>& edits()
         {"a texture's edges", [](scene::Scene& s) { s.textures.edit(0) = texture(1, {.wrap_u = scene::Wrap::clamp}); }},
         {"a texture's filter", [](scene::Scene& s) { s.textures.edit(0) = texture(1, {.mipmaps = false}); }},
         {"a light's colour", [](scene::Scene& s) { s.lights[0].color.x = 2; }},
+        {"a light's intensity on its way",
+         [](scene::Scene& s) {
+             auto track = std::make_shared<scene::LightTrack>();
+             track->intensity = weights(0.5);
+             s.lights[0].track = track;
+         }},
+        {"the roughness on its way",
+         [](scene::Scene& s) {
+             auto track = std::make_shared<scene::MaterialTrack>();
+             track->roughness = weights(0.5);
+             s.materials[0].track = track;
+         }},
+        {"a lens on its way",
+         [](scene::Scene& s) {
+             auto track = std::make_shared<scene::CameraTrack>();
+             track->vertical_fov = weights(0.5);
+             s.cameras[0].track = track;
+         }},
         {"a light's node", [](scene::Scene& s) { s.lights[0].node = 1; }},
         {"the zenith", [](scene::Scene& s) { s.background.zenith.x = 1; }},
         {"the horizon", [](scene::Scene& s) { s.background.horizon.x = 1; }},

@@ -10,7 +10,9 @@
 #include "base/one_line.h"
 #include "gnomon/error.h"
 #include "io/gltf/build.h"
+#include "io/gltf/pointers.h"
 #include "scene/keyframe_track.h"
+#include "scene/value_tracks.h"
 
 namespace gnomon::io::gltf {
 
@@ -29,17 +31,18 @@ KeyInterpolation interpolation_of(Interpolation i)
 // The sampler and animation that animate each part of a node.
 struct Source {
     Index animation = k_absent;
-    std::uint64_t sampler = 0;
+    std::uint64_t channel = 0, sampler = 0;
     bool used() const { return animation != k_absent; }
 };
 struct Moves {
     Source parts[5];   // by Path: translation, rotation, scale, weights, visibility
 };
 
-// What a channel animates.
+// What a channel animates: a path of a node, or a property of a light, material or camera.
 struct Target {
-    Index node = 0;
+    Index index = 0;   // of the node, light, material or camera
     Path path = Path::translation;
+    Property property = Property::none;
     friend auto operator<=>(const Target&, const Target&) = default;
 };
 
@@ -68,7 +71,7 @@ class Animations {
     }
 
     // Finds what an animation of the file moves in the scene, and the times of its first and last key.
-    Clip clip(Index index, const std::vector<scene::NodeId>& node_ids)
+    Clip clip(Index index, const PartIds& ids, const Materials& materials)
     {
         const Animation& animation = model_.animations[index];
         Clip result;
@@ -76,7 +79,8 @@ class Animations {
         for (std::size_t c = 0; c < animation.channels.size(); ++c) {
             const Channel& channel = animation.channels[c];
             const std::string here = at(at(at("/animations", index), "channels"), c);
-            if (channel.path == Path::pointer || channel.path == Path::unknown) {
+            const bool is_property = channel.property != Property::none;
+            if (!is_property && (channel.path == Path::pointer || channel.path == Path::unknown)) {
                 constexpr std::size_t k_shown = 100;
                 context_.warn(here, channel.has_pointer ? fmt::format("animates '{}', which is not supported: ignored",
                                                                       shown_name(channel.pointer.substr(0, k_shown)))
@@ -84,7 +88,15 @@ class Animations {
                                                                       channel.path_word.substr(0, 64)));
                 continue;
             }
-            if (channel.node == k_absent || node_ids[channel.node] == scene::none) continue;
+            if (is_property) {
+                if (!is_there(channel, ids, materials)) continue;
+                if (const char* const reason = ineffective(channel)) {
+                    context_.warn(here, fmt::format("animates '{}': {}", channel.pointer, reason));
+                    continue;
+                }
+            } else if (channel.node == k_absent || ids.nodes[channel.node] == scene::none) {
+                continue;
+            }
             const AnimationSampler& sampler = animation.samplers[channel.sampler];
             if (sampler.interpolation == Interpolation::unknown) {
                 context_.warn(here, "its interpolation is not supported: ignored");
@@ -99,9 +111,52 @@ class Animations {
             const bool fresh = result.targets.empty();
             result.clip.start = fresh ? first : std::min(result.clip.start, first);
             result.clip.end = fresh ? last : std::max(result.clip.end, last);
-            result.targets.try_emplace({channel.node, channel.path}, c);
+            result.targets.try_emplace(
+                Target{is_property ? channel.owner : channel.node, channel.path, channel.property}, c);
         }
         return result;
+    }
+
+    // Whether the owner of an animated property is in the scene.
+    static bool is_there(const Channel& channel, const PartIds& ids, const Materials& materials)
+    {
+        switch (owner_of(channel.property)) {
+            case Owner::light:
+                return !ids.lights[channel.owner].empty();
+            case Owner::camera:
+                return !ids.cameras[channel.owner].empty();
+            default:
+                return !materials.made_of(channel.owner).empty();
+        }
+    }
+
+    // Why a property does not bear on its owner; null: it does.
+    const char* ineffective(const Channel& channel) const
+    {
+        switch (channel.property) {
+            case Property::light_range:
+                if (model_.lights[channel.owner].type == "directional") return "directional lights have none: ignored";
+                break;
+            case Property::light_inner:
+            case Property::light_outer:
+                if (model_.lights[channel.owner].type != "spot") return "only spot lights have it: ignored";
+                break;
+            case Property::base_color:
+            case Property::metallic:
+            case Property::roughness:
+                if (model_.materials[channel.owner].glossiness)
+                    return "KHR_materials_pbrSpecularGlossiness takes its place: ignored";
+                break;
+            case Property::yfov:
+                if (!model_.cameras[channel.owner].has_perspective) return "the camera is orthographic: ignored";
+                break;
+            case Property::ymag:
+                if (model_.cameras[channel.owner].has_perspective) return "the camera is a perspective one: ignored";
+                break;
+            default:
+                break;
+        }
+        return nullptr;
     }
 
     // Returns whether the keys of a channel can be used; adds a warning if not.
@@ -131,6 +186,50 @@ class Animations {
                                                         std::move(values), targets);
     }
 
+    // The track of a property; null where it has none.
+    scene::NumbersTrack property(const std::map<Property, Source>& sources, Property property)
+    {
+        const auto at = sources.find(property);
+        return at == sources.end() ? nullptr : weights(at->second, static_cast<std::size_t>(components_of(property)));
+    }
+
+    std::shared_ptr<const scene::LightTrack> light(const Light& light, const std::map<Property, Source>& sources)
+    {
+        auto track = std::make_shared<scene::LightTrack>();
+        track->rest_color = {light.color[0], light.color[1], light.color[2]};
+        track->rest_intensity = light.intensity;
+        track->rest_inner_angle = light.inner;
+        track->color = property(sources, Property::light_color);
+        track->intensity = property(sources, Property::light_intensity);
+        track->range = property(sources, Property::light_range);
+        track->inner_angle = property(sources, Property::light_inner);
+        track->outer_angle = property(sources, Property::light_outer);
+        return track;
+    }
+
+    std::shared_ptr<const scene::CameraTrack> camera(const std::map<Property, Source>& sources)
+    {
+        auto track = std::make_shared<scene::CameraTrack>();
+        track->vertical_fov = property(sources, Property::yfov);
+        track->half_height = property(sources, Property::ymag);
+        return track;
+    }
+
+    scene::MaterialTrack material(const Material& material, const std::map<Property, Source>& sources)
+    {
+        scene::MaterialTrack track;
+        track.rest_emissive = {material.emissive[0], material.emissive[1], material.emissive[2]};
+        track.rest_strength = material.emissive_strength;
+        track.base_color = property(sources, Property::base_color);
+        track.metallic = property(sources, Property::metallic);
+        track.roughness = property(sources, Property::roughness);
+        track.emissive = property(sources, Property::emissive);
+        track.strength = property(sources, Property::emissive_strength);
+        if (const auto at = sources.find(Property::base_color); at != sources.end())
+            track.alpha_changes = alpha_changes(at->second, material);
+        return track;
+    }
+
     // The first key's value counts before it as well.
     std::shared_ptr<const scene::VisibilityTrack> visibility(const Source& source)
     {
@@ -145,6 +244,22 @@ class Animations {
     }
 
  private:
+    // Whether the fourth number of colours is ever another one than the material's own. Says so if that has no effect.
+    bool alpha_changes(const Source& source, const Material& material)
+    {
+        const AnimationSampler& sampler = sampler_of(source);
+        const bool cubic = sampler.interpolation == Interpolation::cubic_spline;
+        bool changes = false;
+        data_.for_each(model_.accessors[sampler.output], [&](std::uint64_t i, std::span<const double> color) {
+            const bool is_tangent = cubic && i % 3 != 1;
+            changes = changes || static_cast<float>(color[3]) != (is_tangent ? 0 : material.base_color[3]);
+        });
+        if (changes && material.alpha_mode == "MASK")
+            context_.warn(at(at(at("/animations", source.animation), "channels"), source.channel),
+                          "the alpha of a surface with holes cannot change: its colour changes alone");
+        return changes;
+    }
+
     const AnimationSampler& sampler_of(const Source& source) const
     {
         return model_.animations[source.animation].samplers[source.sampler];
@@ -208,6 +323,28 @@ class Animations {
     std::map<Index, std::pair<double, double>> spans_;   // by accessor of key times
 };
 
+// Gives the parts of the scene that a light, camera or material of the file became the tracks of its properties.
+void set_tracks(Animations& animations, const Model& model, const std::pair<Owner, Index>& owner,
+                const std::map<Property, Source>& sources, const PartIds& ids, const Materials& materials,
+                scene::Scene& out)
+{
+    const auto [kind, index] = owner;
+    if (kind == Owner::light) {
+        const auto track = animations.light(model.lights[index], sources);
+        for (const scene::LightId id : ids.lights[index]) out.lights[id].track = track;
+    } else if (kind == Owner::camera) {
+        const auto track = animations.camera(sources);
+        for (const scene::CameraId id : ids.cameras[index]) out.cameras[id].track = track;
+    } else {
+        const scene::MaterialTrack track = animations.material(model.materials[index], sources);
+        for (const Materials::Made& made : materials.made_of(index)) {
+            auto own = std::make_shared<scene::MaterialTrack>(track);
+            if (made.emits_nowhere) own->emissive = own->strength = nullptr;
+            out.materials[made.id].track = std::move(own);
+        }
+    }
+}
+
 // Decides which clips play. Without a choice: the first, and each further one that animates nothing that a playing one
 // animates.
 void choose_clips(std::vector<Clip>& clips, const std::string& chosen, Context& context)
@@ -263,24 +400,28 @@ scene::TransformParts rest_parts(const Node& node)
     return parts;
 }
 
-void build_animations(const Model& model, const Data& data, const std::vector<scene::NodeId>& node_ids,
+void build_animations(const Model& model, const Data& data, const PartIds& ids, const Materials& materials,
                       const std::string& chosen, scene::Scene& out, Context& context)
 {
     Animations animations(model, data, context);
     std::vector<Clip> clips;
-    for (Index a = 0; a < model.animations.size(); ++a) clips.push_back(animations.clip(a, node_ids));
+    for (Index a = 0; a < model.animations.size(); ++a) clips.push_back(animations.clip(a, ids, materials));
     choose_clips(clips, chosen, context);
 
-    // Let the playing clips move their targets. If two animate the same part of a node, the first one is used.
+    // Let the playing clips move their targets. If two animate the same part of a node, or the same property, the first
+    // one is used.
     std::map<Index, Moves> moves;
+    std::map<std::pair<Owner, Index>, std::map<Property, Source>> properties;
     for (Index a = 0; a < clips.size(); ++a) {
         out.clips.push_back(clips[a].clip);
         if (!clips[a].clip.plays) continue;
         bool told = false;
         for (const auto& [target, channel] : clips[a].targets) {
-            Source& source = moves[target.node].parts[static_cast<int>(target.path)];
+            Source& source = target.property == Property::none
+                                 ? moves[target.index].parts[static_cast<int>(target.path)]
+                                 : properties[{owner_of(target.property), target.index}][target.property];
             if (!source.used()) {
-                source = {a, model.animations[a].channels[channel].sampler};
+                source = {a, channel, model.animations[a].channels[channel].sampler};
             } else if (!told) {
                 told = true;
                 context.warn(
@@ -292,7 +433,7 @@ void build_animations(const Model& model, const Data& data, const std::vector<sc
 
     for (const auto& [index, move] : moves) {
         const Node& source = model.nodes[index];
-        scene::Node& node = out.nodes[node_ids[index]];
+        scene::Node& node = out.nodes[ids.nodes[index]];
         if (move.parts[0].used() || move.parts[1].used() || move.parts[2].used()) {
             node.transform = animations.transform(source, move);
             node.animated = true;
@@ -304,6 +445,8 @@ void build_animations(const Model& model, const Data& data, const std::vector<sc
         if (move.parts[3].used() && node.mesh != scene::none)
             node.weights = animations.weights(move.parts[3], out.meshes[node.mesh].morph_targets.size());
     }
+
+    for (const auto& [owner, sources] : properties) set_tracks(animations, model, owner, sources, ids, materials, out);
 
     // The clip lasts from the first key to the last one.
     constexpr double default_rate = 24;

@@ -24,6 +24,13 @@ class Materials {
     /// out
     scene::MaterialId get(Index material, const std::array<bool, 2>& has_texcoords);
 
+    /// What a material of the document became: one material, more if primitives lack some texture coordinates, or none.
+    struct Made {
+        scene::MaterialId id = scene::none;
+        bool emits_nowhere = false;   // the texture that says where it emits is missing
+    };
+    std::vector<Made> made_of(Index material) const;
+
     /// Checks the headers of images that are not used.
     void check_unused();
 
@@ -47,10 +54,7 @@ class Materials {
     scene::Scene& out_;
     Context& context_;
     std::uint64_t pixels_left_ = 0, view_bytes_left_ = 0;
-    // scene::none until the material is made.
-    struct Made {
-        scene::MaterialId id = scene::none;
-    };
+    // The id is scene::none until the material is made.
     std::map<std::pair<Index, std::array<bool, 2>>, Made> made_;   // by material and sets of textures left out
     scene::MaterialId default_ = scene::none;
     std::map<std::string, Index> by_source_;   // the first image with each source (a file or a range of a buffer)
@@ -81,11 +85,18 @@ class Meshes {
 /// Adds the nodes of the default scene with meshes, skins, cameras and lights, then the animations.
 /// @param animation  see ReadOptions
 void build_scene(const Model& model, const Data& data, const std::vector<Index>& parent, Meshes& meshes,
-                 const std::string& animation, scene::Scene& out, Context& context);
-/// @param node_ids  ids in the scene by node of the document; scene::none: not in the scene
-/// @param chosen    the clip that plays, see ReadOptions::animation
+                 const Materials& materials, const std::string& animation, scene::Scene& out, Context& context);
+
+/// What nodes, lights and cameras of the document became in the scene.
+struct PartIds {
+    std::vector<scene::NodeId> nodes;                    // scene::none: not in the scene
+    std::vector<std::vector<scene::LightId>> lights;     // one for each node with the light
+    std::vector<std::vector<scene::CameraId>> cameras;   // likewise
+};
+
+/// @param chosen  the clip that plays, see ReadOptions::animation
 /// @throws UsageError  there is no such clip
-void build_animations(const Model& model, const Data& data, const std::vector<scene::NodeId>& node_ids,
+void build_animations(const Model& model, const Data& data, const PartIds& ids, const Materials& materials,
                       const std::string& chosen, scene::Scene& out, Context& context);
 
 /// Translation, rotation and scale of a node; the identity for a node with a matrix.

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "io/gltf/check.h"
+#include "io/gltf/pointers.h"
 
 namespace gnomon::io::gltf {
 
@@ -127,6 +128,38 @@ bool format_fits(const Accessor& accessor, Path path)
     }
 }
 
+bool format_fits(const Accessor& accessor, Property property)
+{
+    const int n = components_of(property);
+    const Shape shape = n == 1 ? Shape::scalar : n == 3 ? Shape::vec3 : Shape::vec4;
+    const bool is_float = accessor.component == Component::f32;
+    const bool fraction = accessor.normalized && !is_float && accessor.component != Component::u32;
+    return accessor.shape == shape && (fraction || (is_float && !accessor.normalized));
+}
+
+// Compares counts by division, because a document's numbers may be as large as 2^53.
+void check_counts(const Accessor& input, const Accessor& output, std::uint64_t each, const std::string& place,
+                  const Context& context)
+{
+    if (output.count % each != 0 || output.count / each != input.count)
+        context.fail(place,
+                     fmt::format("{} values for {} keys, expected {} for each", output.count, input.count, each));
+}
+
+// Checks the output's format and count against the property that a pointer animates.
+void check_property(const Model& model, const Animation& animation, const Channel& channel, const std::string& place,
+                    const Context& context)
+{
+    const AnimationSampler& sampler = animation.samplers[channel.sampler];
+    const Accessor& input = model.accessors[sampler.input];
+    const Accessor& output = model.accessors[sampler.output];
+    if (!output.known() || !input.known() || sampler.interpolation == Interpolation::unknown) return;
+    if (!format_fits(output, channel.property))
+        context.fail(at(place, "sampler"), fmt::format("'{}' cannot be {}", channel.pointer, output.format()));
+    check_counts(input, output, sampler.interpolation == Interpolation::cubic_spline ? 3 : 1, at(place, "sampler"),
+                 context);
+}
+
 }   // namespace
 
 void check_animation(const Model& model, Index index, Uses& uses, Context& context)
@@ -173,6 +206,10 @@ void check_animation(const Model& model, Index index, Uses& uses, Context& conte
             context.fail(at(at(target, "extensions"), "KHR_animation_pointer"), "the path must be 'pointer'");
         if (channel.has_pointer && channel.node != k_absent)
             context.fail(at(target, "node"), "cannot be combined with KHR_animation_pointer");
+        if (channel.property != Property::none) {
+            check_property(model, animation, channel, place, context);
+            continue;
+        }
         if (channel.node == k_absent || channel.path == Path::pointer || channel.path == Path::unknown) continue;
         if (!seen.insert({channel.node, channel.path_word}).second) {
             context.repair(Fault::channel, target, [] { return "another channel has the same target"; });
@@ -203,11 +240,8 @@ void check_animation(const Model& model, Index index, Uses& uses, Context& conte
             use.quaternion = true;
             use.cubic = cubic;
         }
-        // Compare counts by division, because a document's numbers may be as large as 2^53.
-        const std::uint64_t each = (cubic ? 3u : 1u) * static_cast<std::uint64_t>(moves ? 1 : targets);
-        if (output.count % each != 0 || output.count / each != input.count)
-            context.fail(at(place, "sampler"),
-                         fmt::format("{} values for {} keys, expected {} for each", output.count, input.count, each));
+        check_counts(input, output, (cubic ? 3u : 1u) * static_cast<std::uint64_t>(moves ? 1 : targets),
+                     at(place, "sampler"), context);
     }
 }
 

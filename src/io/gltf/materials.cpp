@@ -350,6 +350,7 @@ scene::MaterialId Materials::get(Index index, const std::array<bool, 2>& has_tex
     Material m = index == k_absent ? Material() : model_.materials[index];
     // Leave out the textures whose coordinates the primitive lacks.
     std::array<bool, 2> without{};
+    bool emits_nowhere = false;
     std::vector<TextureInfo*> infos{&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
                                     &m.occlusion_texture, &m.emissive_texture};
     if (m.glossiness) infos.insert(infos.end(), {&m.glossiness->diffuse_texture, &m.glossiness->specular_texture});
@@ -358,11 +359,12 @@ scene::MaterialId Materials::get(Index index, const std::array<bool, 2>& has_tex
     for (TextureInfo* info : infos) {
         if (!info || info->texture == k_absent || info->texcoord >= 2 || has_texcoords[info->texcoord]) continue;
         without[info->texcoord] = true;
-        if (info == &m.emissive_texture) m.emissive = {0, 0, 0};   // only the texture says where it emits
+        if (info == &m.emissive_texture) emits_nowhere = true;   // only the texture says where it emits
         info->texture = k_absent;
     }
-    scene::MaterialId& id = index == k_absent ? default_ : made_[{index, without}].id;
-    if (id != scene::none) return id;
+    Made by_default{default_, false};
+    Made& made = index == k_absent ? by_default : made_[{index, without}];
+    if (made.id != scene::none) return made.id;
     const std::string here = at("/materials", index);
     const std::string pbr = at(here, "pbrMetallicRoughness");
 
@@ -393,15 +395,24 @@ scene::MaterialId Materials::get(Index index, const std::array<bool, 2>& has_tex
     out.occlusion_strength = m.occlusion_texture.factor;
     out.emissive = m.emissive_strength * glm::vec3(m.emissive[0], m.emissive[1], m.emissive[2]);
     out.emissive_texture = use(m.emissive_texture, true, false, at(here, "emissiveTexture"));
-    // Only the texture says where the surface emits.
-    if (m.emissive_texture.texture != k_absent && out.emissive_texture.texture == scene::none) out.emissive = {0, 0, 0};
+    if (m.emissive_texture.texture != k_absent && out.emissive_texture.texture == scene::none) emits_nowhere = true;
+    if (emits_nowhere) out.emissive = {0, 0, 0};
     out.transmission = m.transmission;
     out.ior = m.ior > 0 ? m.ior : 1.5f;   // 0 selects an old gloss model [KHR_materials_ior]
     if (m.layers && !m.unlit) use_layers(m, at(here, "extensions"), out);
 
-    id = static_cast<scene::MaterialId>(out_.materials.size());
+    made = {static_cast<scene::MaterialId>(out_.materials.size()), emits_nowhere};
+    if (index == k_absent) default_ = made.id;
     out_.materials.push_back(std::move(out));
-    return id;
+    return made.id;
+}
+
+std::vector<Materials::Made> Materials::made_of(Index material) const
+{
+    std::vector<Made> result;
+    for (auto at = made_.lower_bound({material, {}}); at != made_.end() && at->first.first == material; ++at)
+        if (at->second.id != scene::none) result.push_back(at->second);
+    return result;
 }
 
 }   // namespace gnomon::io::gltf

@@ -3,9 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cstring>
 #include <nlohmann/json.hpp>
+
+#include "io/gltf/pointers.h"
 
 namespace gnomon::io::gltf {
 
@@ -354,33 +355,6 @@ Animation read_animation(const json& j)
         return sampler;
     });
     return a;
-}
-
-// Replaces pointers to properties of nodes by the nodes and paths that they point to.
-void resolve_pointers(Model& model)
-{
-    constexpr std::pair<const char*, Path> properties[] = {
-        {"translation", Path::translation},
-        {"rotation", Path::rotation},
-        {"scale", Path::scale},
-        {"weights", Path::weights},
-        {"extensions/KHR_node_visibility/visible", Path::visibility}};
-    constexpr std::string_view prefix = "/nodes/";
-    for (Animation& animation : model.animations)
-        for (Channel& channel : animation.channels) {
-            if (!channel.has_pointer || channel.path != Path::pointer || channel.node != k_absent) continue;
-            const std::string& pointer = channel.pointer;
-            if (pointer.compare(0, prefix.size(), prefix) != 0) continue;
-            Index node = 0;
-            const char* const end = pointer.data() + pointer.size();
-            const auto [stop, error] = std::from_chars(pointer.data() + prefix.size(), end, node);
-            if (error != std::errc() || stop == end || *stop != '/' || node >= model.nodes.size()) continue;
-            for (const auto& [name, path] : properties)
-                if (std::string_view(stop + 1, static_cast<std::size_t>(end - stop - 1)) == name) {
-                    channel.node = node, channel.path = path, channel.path_word = name, channel.has_pointer = false;
-                    break;
-                }
-        }
 }
 
 Camera read_camera(const json& j)

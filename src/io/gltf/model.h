@@ -203,6 +203,22 @@ struct Skin {
 };
 
 enum class Path : std::uint8_t { translation, rotation, scale, weights, visibility, pointer, unknown };
+/// What a pointer of KHR_animation_pointer may animate beside nodes; see pointers.h.
+enum class Property : std::uint8_t {
+    none,   // not supported, or it does not exist
+    light_color,
+    light_intensity,
+    light_range,
+    light_inner,
+    light_outer,
+    base_color,
+    metallic,
+    roughness,
+    emissive,
+    emissive_strength,
+    yfov,
+    ymag
+};
 enum class Interpolation : std::uint8_t { linear, step, cubic_spline, unknown };
 
 struct Channel {
@@ -212,6 +228,8 @@ struct Channel {
     std::string path_word;
     bool has_pointer = false;   // KHR_animation_pointer, to something that is not a property of a node
     std::string pointer;
+    Property property = Property::none;
+    Index owner = k_absent;   // the light, material or camera that has the property
 };
 
 struct AnimationSampler {

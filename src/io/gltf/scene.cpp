@@ -17,6 +17,7 @@
 #include "io/gltf/text.h"
 #include "io/load.h"
 #include "scene/file_surfaces.h"
+#include "scene/value_tracks.h"
 
 namespace gnomon::io {
 
@@ -42,9 +43,8 @@ scene::Camera make_camera(const Camera& source, scene::NodeId node, const std::s
     camera.node = node;
     camera.near = source.near;
     camera.far = source.far.value_or(0);
-    constexpr double widest = 3.1;   // a little less than pi
     if (source.has_perspective)
-        camera.vertical_fov = std::min(source.yfov, widest);
+        camera.vertical_fov = std::min(source.yfov, scene::k_widest_fov);
     else
         camera.orthographic_height = 2 * std::abs(source.ymag);
     return camera;
@@ -198,10 +198,14 @@ void build_skins(const Model& model, const Data& data, const std::vector<scene::
 }   // namespace
 
 void build_scene(const Model& model, const Data& data, const std::vector<Index>& parent, Meshes& meshes,
-                 const std::string& animation, scene::Scene& out, Context& context)
+                 const Materials& materials, const std::string& animation, scene::Scene& out, Context& context)
 {
     // Visit parents before children, siblings in the file's order; without recursion, because hierarchies can be deep.
-    std::vector<scene::NodeId> ids(model.nodes.size(), scene::none);
+    PartIds parts;
+    parts.nodes.assign(model.nodes.size(), scene::none);
+    parts.lights.resize(model.lights.size());
+    parts.cameras.resize(model.cameras.size());
+    std::vector<scene::NodeId>& ids = parts.nodes;
     std::vector<scene::SkinId> skin_ids(model.skins.size(), scene::none);
     std::vector<Index> stack = roots_of(model, parent);
     std::reverse(stack.begin(), stack.end());
@@ -258,14 +262,19 @@ void build_scene(const Model& model, const Data& data, const std::vector<Index>&
                 node.skin = skin_ids[source.skin];
             }
         }
-        if (source.camera != k_absent &&
-            (model.cameras[source.camera].type == "perspective" || model.cameras[source.camera].type == "orthographic"))
+        if (source.camera != k_absent && (model.cameras[source.camera].type == "perspective" ||
+                                          model.cameras[source.camera].type == "orthographic")) {
+            parts.cameras[source.camera].push_back(static_cast<scene::CameraId>(out.cameras.size()));
             out.cameras.push_back(make_camera(model.cameras[source.camera], id, source.name));
+        }
         if (source.light != k_absent)
-            if (auto light = make_light(model.lights[source.light], id, source.name)) out.lights.push_back(*light);
+            if (auto light = make_light(model.lights[source.light], id, source.name)) {
+                parts.lights[source.light].push_back(static_cast<scene::LightId>(out.lights.size()));
+                out.lights.push_back(*light);
+            }
     }
     build_skins(model, data, ids, skin_ids, out, context);
-    build_animations(model, data, ids, animation, out, context);
+    build_animations(model, data, parts, materials, animation, out, context);
 }
 
 }   // namespace gltf
@@ -312,7 +321,7 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
     scene.variants = model.variants;
     Materials materials(model, data, scene, context);
     Meshes meshes(model, data, materials, scene, context);
-    build_scene(model, data, parent, meshes, options.animation, scene, context);
+    build_scene(model, data, parent, meshes, materials, options.animation, scene, context);
     materials.check_unused();
     step(0.9);
     scene.warnings = context.take_warnings();
