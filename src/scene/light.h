@@ -28,8 +28,8 @@ struct Light {
     SpotProfile profile = SpotProfile::smooth;
     float inner_angle = 0;   // half-angles, radians
     float outer_angle = static_cast<float>(k_pi / 4);
-    float range = 0;                           // metres beyond which the light has faded out; 0: unlimited
-    std::shared_ptr<const LightTrack> track;   // value_tracks.h; null: the values do not change by themselves
+    float range = 0;                             // metres beyond which the light has faded out; 0: unlimited
+    std::shared_ptr<const LightTrack> track{};   // value_tracks.h; null: the values do not change by themselves
     NodeId node = none;
     bool of_environment = false;   // part of an environment map; only for diffuse reflection, because specular
                                    // reflection sees the map itself

@@ -62,7 +62,7 @@ struct Material {
     float transmittance = 0;   // T
     float ior = 1.5f;          // index of refraction inside
 
-    std::shared_ptr<const MaterialTrack> track;   // value_tracks.h; null: the values do not change by themselves
+    std::shared_ptr<const MaterialTrack> track{};   // value_tracks.h; null: the values do not change by themselves
 
     SurfaceClass surface_class() const
     {

@@ -301,7 +301,7 @@ TEST(GltfPointers, NormalizedValuesAndDoubleTargets)
     expect_near(SceneState(scene, 1).scene().materials[0].base_color, {1, 0.2, 0}, 1);
 }
 
-// A file of the Khronos group's that animates nearly everything.
+// A file as found on the web that animates nearly everything.
 TEST(GltfPointers, AFileOfAnimatedPropertiesFollowsThem)
 {
     GNOMON_NEED_SCENE(file, "real/24_animation_pointer/24_animation_pointer.gltf");
