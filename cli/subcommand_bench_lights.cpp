@@ -36,10 +36,10 @@ int run_bench_lights(const CommandLine& line, Output& output)
     for (const bench::LightsBenchResult::Row& r : result.rows)
         output.say(fmt::format(
             "{}: {} points, lit {:.1f} %, dark {:.1f} %, penumbra {:.1f} %, unproven {:.2f} %; {} of {} "
-            "segments contradict; {:.1f} ms at first, then {:.1f} ms; error {:.5f}, at most {:.4f}; soft "
-            "textures {:.3f}",
+            "segments contradict; {:.1f} ms at first, then {:.1f} ms; error {:.5f}, at most {:.4f}{}",
             r.light, r.points, percent(r.lit), percent(r.dark), percent(r.penumbra), percent(r.unproven), r.wrong,
-            r.segments, r.ms_cold, r.ms_steady, r.error.rmse, r.error.max_abs, fmt::join(r.soft_rmse, " and ")));
+            r.segments, r.ms_cold, r.ms_steady, r.error.rmse, r.error.max_abs,
+            r.soft_rmse.empty() ? "" : fmt::format("; soft textures {:.3f}", fmt::join(r.soft_rmse, " and "))));
     for (const bench::LightsBenchResult::Opponent& o : result.opponents)
         output.say(fmt::format("{} rays a point: {:.1f} ms; error {:.5f}, at most {:.4f}", o.samples, o.ms,
                                o.error.rmse, o.error.max_abs));

@@ -41,7 +41,7 @@ struct LightsBenchResult {
         double ms_cold = 0, ms_steady = 0;
         Error error;
         double triangles = 0;            // tested for a point in a listed part, mean
-        std::vector<double> soft_rmse;   // of soft textures, as in `soft`
+        std::vector<double> soft_rmse;   // of soft textures, as in `soft`; empty for lights after the eighth
     };
     struct Opponent {
         int samples = 0;

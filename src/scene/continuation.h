@@ -34,8 +34,7 @@ struct Continuation {
 /// @param before  the scene so far: one that was finished, or that of a continuation
 /// @param wanted  a finished scene
 /// @return  none if more differs than dynamic objects, cameras, values of lights and materials, and the image of an
-/// environment; or if so much was
-/// removed that it is better to begin anew
+/// environment; or if so much was removed that it is better to begin anew
 std::optional<Continuation> continuation(const Scene& before, const Scene& wanted);
 
 }   // namespace gnomon::scene
