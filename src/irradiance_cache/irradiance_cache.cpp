@@ -93,8 +93,10 @@ void IrradianceCache::update(const scene::SceneState& state, const ray::RayScene
         triangles_.follow(state.scene());
         find_dynamic_groups();
     }
+    const bool thins_otherwise = !changes.materials_changed.empty() && rays.thins_light();
+    if (thins_otherwise) find_dynamic_groups();
     if (first || lights_.geometry_changed()) near_field_.update(lights_);
-    if (first || !changes.changed.empty()) follow_dynamic_objects(first);
+    if (first || thins_otherwise || !changes.changed.empty()) follow_dynamic_objects(first || thins_otherwise);
     evaluator_->begin_frame(frame_);
     updating_ = false;
 }
@@ -107,14 +109,24 @@ void IrradianceCache::drop_static_results()
     near_field_.drop_hints();
 }
 
-// Groups the dynamic objects that cast shadows by what moves together.
+// Whether an object occludes light, or thins it.
+bool IrradianceCache::takes_light(scene::ObjectId object) const
+{
+    if (casters_.casts(object)) return true;
+    const scene::Scene& scene = frame_.state->scene();
+    const std::vector<scene::MeshPart>& parts = scene.meshes[scene.objects[object].mesh].parts;
+    return std::any_of(parts.begin(), parts.end(),
+                       [&](const scene::MeshPart& part) { return scene::thins_light(scene.materials[part.material]); });
+}
+
+// Groups the dynamic objects that occlude or thin light by what moves together.
 void IrradianceCache::find_dynamic_groups()
 {
     const scene::SceneState& state = *frame_.state;
     dynamic_groups_.clear();
     std::unordered_map<std::uint32_t, std::size_t> group_of_owner;
     for (scene::ObjectId o = 0; o < state.scene().objects.size(); ++o) {
-        if (!state.is_dynamic(o) || state.scene().objects[o].removed || !casters_.casts(o)) continue;
+        if (!state.is_dynamic(o) || state.scene().objects[o].removed || !takes_light(o)) continue;
         const std::uint32_t owner = lights_.owner_of(o);
         const auto [at, first] = group_of_owner.try_emplace(owner, dynamic_groups_.size());
         if (first) dynamic_groups_.emplace_back();
@@ -158,11 +170,11 @@ void IrradianceCache::follow_dynamic_objects(bool first)
                             changes.removed.empty() && changes.deformed.empty() && changes.appeared.empty() &&
                             changes.vanished.empty();
     const bool alone = std::all_of(changes.moved.begin(), changes.moved.end(), [&](scene::ObjectId o) {
-        return !casters_.casts(o) || (only_moved && sphere_of_[o] != scene::none);
+        return !takes_light(o) || (only_moved && sphere_of_[o] != scene::none);
     });
     if (!only_moved || !alone) return enclose_dynamic_objects();
     for (const scene::ObjectId o : changes.moved)
-        if (casters_.casts(o)) dynamic_bounds_.move(sphere_of_[o], sphere_around(o));
+        if (takes_light(o)) dynamic_bounds_.move(sphere_of_[o], sphere_around(o));
 }
 
 bool IrradianceCache::shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)

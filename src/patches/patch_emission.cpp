@@ -2,6 +2,7 @@
 #include "patches/patch_emission.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "base/check.h"
 #include "base/interruption.h"
@@ -140,9 +141,45 @@ void PatchEmission::light_points(Light& light, const ray::RayScene& rays, Tasks&
         }
         trace();
         std::erase_if(reached, [](const Reached& r) { return r.visible == 0; });
+        if (rays.thins_light()) thin(light, rays, step, reached);
     });
     light.reached.clear();
     for (const std::vector<Reached>& some : found) light.reached.insert(light.reached.end(), some.begin(), some.end());
+}
+
+// Multiplies what a light brings by the mean of what passes surfaces that thin light, toward every so many of the
+// places that are visible.
+void PatchEmission::thin(const Light& light, const ray::RayScene& rays, std::size_t step,
+                         std::span<Reached> reached) const
+{
+    const std::vector<scene::SizedPlace>& places = light.shape.places;
+    ray::RayQueue queue;
+    std::vector<std::pair<std::size_t, float>> target;   // by ray: reached point, weight
+    for (std::size_t r = 0; r < reached.size(); ++r) {
+        const Point& point = points_[reached[r].point];
+        // Of a light that is seen in part, ask every visible place.
+        const bool whole = std::popcount(reached[r].visible) == static_cast<int>(places.size());
+        for (std::size_t place = 0; place < places.size(); place += whole ? step : 1) {
+            if (!((reached[r].visible >> place) & 1)) continue;
+            const glm::vec3 way = places[place].position - point.position;
+            const float square = glm::dot(way, way), cosine = glm::dot(way, point.normal);
+            if (!(cosine > 0)) continue;
+            queue.push(point.position, 0, way, ray::k_shadow_ray_end);
+            target.emplace_back(r, places[place].area * luminance(places[place].radiance) * cosine / (square * square));
+        }
+    }
+    std::vector<glm::vec3> passes(queue.size());
+    rays.let_through(queue, 0, queue.size(), passes.data(), ray::Against::static_only);
+    for (std::size_t i = 0; i < target.size();) {
+        const std::size_t r = target[i].first;
+        glm::dvec3 sum(0);
+        double all = 0;
+        for (; i < target.size() && target[i].first == r; ++i) {
+            const auto weight = static_cast<double>(target[i].second);
+            sum += weight * glm::dvec3(passes[i]), all += weight;
+        }
+        if (all > 0) reached[r].light *= glm::vec3(sum / all);
+    }
 }
 
 bool PatchEmission::update(const scene::SceneState& state, const ray::RayScene& rays, const scene::SizedLights& lights,

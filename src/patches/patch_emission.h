@@ -3,7 +3,8 @@
 // Irradiance of patches from emissive surfaces (scene/sized_light.h), in closed form, and with shadows.
 //
 // A few points of each patch are lit, by the formula that also lights the pixels (shading/polygon_light.h), times the
-// visible share of the light's sample places. What static geometry hides of a light is found once and kept for as long
+// visible share of the light's sample places, and times what surfaces that thin light let through on the way to some of
+// these places. What static geometry hides of a light is found once and kept for as long
 // as the light stays as it is. Where a dynamic object may come between a patch and a light, rays against dynamic
 // objects are added in frames in which any of them moves. So the irradiance is a function of the present state.
 //
@@ -37,6 +38,9 @@ class PatchEmission {
     bool update(const scene::SceneState& state, const ray::RayScene& rays, const scene::SizedLights& lights,
                 Tasks& tasks);
 
+    /// Finds everything again in the next update, because surfaces thin light in another way.
+    void forget() { lights_.clear(), first_ = true; }
+
     /// By patch: without dynamic objects in the way, and now.
     std::span<const glm::vec3> static_irradiance() const { return static_; }
     std::span<const glm::vec3> irradiance() const { return now_; }
@@ -57,6 +61,7 @@ class PatchEmission {
     class Shading;
     void choose_points(std::size_t lights);
     void light_points(Light& light, const ray::RayScene& rays, Tasks& tasks) const;
+    void thin(const Light& light, const ray::RayScene& rays, std::size_t step, std::span<Reached> reached) const;
     void follow_blockers(const ray::RayScene& rays, Tasks& tasks);
 
     const SurfacePatches& patches_;

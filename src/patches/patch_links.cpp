@@ -42,12 +42,17 @@ class Caster {
         hits_.resize(rays_.size());
         scene_rays_.closest(rays_, 0, rays_.size(), hits_, ray::Sides::both, ray::Against::static_only);
         pass_transparent();
+        const std::size_t first_ray = PatchLinks::k_rays * first;
+        if (!links.passes.empty()) find_passing(links.passes.data() + first_ray);
         const auto weight = static_cast<float>(k_pi / static_cast<double>(PatchLinks::k_rays));
         std::size_t r = 0;
         for (PatchId p = first; p < last; ++p)
             for (std::size_t k = 0; k < PatchLinks::k_rays; ++k, ++r) {
                 if (hits_.object[r] == scene::none) {
-                    if (surroundings.any()) links.surroundings[p] += weight * surroundings.radiance(rays_.direction(r));
+                    if (!surroundings.any()) continue;
+                    glm::vec3 light = weight * surroundings.radiance(rays_.direction(r));
+                    if (!links.passes.empty()) light *= links.passes[first_ray + r];
+                    links.surroundings[p] += light;
                     continue;
                 }
                 const Surface at = surface(r);
@@ -103,6 +108,14 @@ class Caster {
         }
     }
 
+    // Finds the part of light that passes along each ray, up to where it ends.
+    void find_passing(glm::vec3* passes)
+    {
+        for (std::size_t r = 0; r < rays_.size(); ++r)
+            rays_.tfar[r] = hits_.object[r] == scene::none ? k_infinity : hits_.t[r];
+        scene_rays_.let_through(rays_, 0, rays_.size(), passes, ray::Against::static_only);
+    }
+
     // Continues rays that met a surface that does not block light, behind it.
     void pass_transparent()
     {
@@ -144,6 +157,7 @@ PatchLinks link_patches(const SurfacePatches& patches, const scene::SceneState& 
     const std::size_t count = patches.patches().size();
     links.target.assign(PatchLinks::k_rays * count, PatchLinks::k_none);
     links.surroundings.assign(count, glm::vec3(0));
+    if (rays.thins_light()) links.passes.assign(PatchLinks::k_rays * count, glm::vec3(1));
     tasks.for_each((count + k_patches_at_once - 1) / k_patches_at_once, [&](std::size_t run, int) {
         interruption_point();
         const std::size_t first = run * k_patches_at_once, last = std::min(first + k_patches_at_once, count);
@@ -162,8 +176,10 @@ void gather_links(const PatchLinks& links, std::span<const glm::vec3> exitance, 
         for (std::size_t p = run * k_patches_to_gather; p < last; ++p) {
             glm::vec3 sum(0);
             const std::uint16_t* target = links.target.data() + PatchLinks::k_rays * p;
+            const glm::vec3* passes = links.passes.empty() ? nullptr : links.passes.data() + PatchLinks::k_rays * p;
             for (std::size_t k = 0; k < PatchLinks::k_rays; ++k)
-                if (target[k] != PatchLinks::k_none) sum += exitance[target[k]];
+                if (target[k] != PatchLinks::k_none)
+                    sum += passes ? passes[k] * exitance[target[k]] : exitance[target[k]];
             irradiance[p] = k_weight * sum;
         }
     });

@@ -6,6 +6,7 @@
 
 #include "base/morton.h"
 #include "irradiance_cache/light_tree/light_tree.h"
+#include "irradiance_cache/light_tree/thin_leaves.h"
 #include "light_views/texel_ray.h"
 
 namespace gnomon::irradiance_cache {
@@ -59,11 +60,15 @@ void LightTree::gather_dynamic()
         }
         hits.resize(texels.size());
         rays_->closest(queue, 0, texels.size(), hits, ray::Sides::both);
+        const std::vector<glm::vec3> factor =
+            find_thin_leaves(state_->scene(), *rays_, queue, view.behind, ray::Against::everything, hits);
         // Sum the lit surfaces by owner and octant.
         for (std::size_t i = 0; i < texels.size(); ++i) {
             if (hits.object[i] == scene::none || !state_->is_dynamic(hits.object[i])) continue;
-            const Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
+            if (!factor.empty() && factor[i] == glm::vec3(0)) continue;
+            Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
             if (!(leaf.area > 0)) continue;
+            if (!factor.empty()) leaf.flux *= factor[i];
             const std::uint32_t octant =
                 (leaf.normal.x < 0 ? 1u : 0u) | (leaf.normal.y < 0 ? 2u : 0u) | (leaf.normal.z < 0 ? 4u : 0u);
             const std::uint32_t owner = owner_of(leaf.object);

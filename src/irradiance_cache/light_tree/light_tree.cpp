@@ -7,6 +7,7 @@
 #include "base/check.h"
 #include "base/interruption.h"
 #include "base/morton.h"
+#include "irradiance_cache/light_tree/thin_leaves.h"
 #include "light_views/texel_ray.h"
 #include "lighting/diffuse.h"
 #include "ray/origin.h"
@@ -76,9 +77,13 @@ std::vector<LightTree::View> LightTree::wanted_views() const
     for (const scene::LightId l : bouncing_lights(scene, bounds_, options_))
         for (int face = 0; face < light_views::view_count(scene.lights[l], bounds_, light_views::k_projection);
              ++face) {
-            View& view = views.emplace_back();
-            view.light = l;
-            view.face = face;
+            for (const bool behind : {false, true}) {
+                if (behind && !rays_->thins_light()) continue;
+                View& view = views.emplace_back();
+                view.light = l;
+                view.face = face;
+                view.behind = behind;
+            }
         }
     return views;
 }
@@ -260,9 +265,13 @@ void LightTree::make_view(View& view)
         interruption_point();
         rays.closest(queue, i, std::min(i + k_rays_at_once, count), hits, ray::Sides::both, ray::Against::static_only);
     }
+    const std::vector<glm::vec3> factor =
+        find_thin_leaves(scene, rays, queue, view.behind, ray::Against::static_only, hits);
     for (std::uint32_t i = 0; i < count; ++i) {
         if (i % k_rays_at_once == 0) interruption_point();
-        const Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
+        if (!factor.empty() && factor[i] == glm::vec3(0)) continue;
+        Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
+        if (!factor.empty()) leaf.flux *= factor[i];
         if (!(leaf.area > 0)) continue;
         Node& node = node_of(leaves + i);
         node.position = leaf.position, node.normal = leaf.normal, node.sample = leaf.sample;
@@ -503,11 +512,13 @@ bool LightTree::follow_lights_and_bounds(Tasks& tasks)
     const bool other_bounds = !(state_->present_bounds() == bounds_);
     if (other_bounds) bounds_ = state_->present_bounds();
     if (!other_bounds) {
-        if (changes.lights_moved.empty() && changes.lights_relit.empty()) return false;
+        if (changes.lights_moved.empty() && changes.lights_relit.empty() && changes.materials_changed.empty())
+            return false;
         const std::vector<View> wanted = wanted_views();
         const bool same =
-            std::equal(wanted.begin(), wanted.end(), views_.begin(), views_.end(),
-                       [](const View& a, const View& b) { return a.light == b.light && a.face == b.face; });
+            std::equal(wanted.begin(), wanted.end(), views_.begin(), views_.end(), [](const View& a, const View& b) {
+                return a.light == b.light && a.face == b.face && a.behind == b.behind;
+            });
         if (same) return false;
     }
     rebuild(tasks);

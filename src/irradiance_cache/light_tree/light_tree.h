@@ -150,6 +150,7 @@ class LightTree {
     struct View {
         scene::LightId light = scene::none;
         int face = 0;
+        bool behind = false;        // leaves lie behind surfaces that thin light (thin_leaves.h)
         int side = 0, levels = 0;   // 2^levels texels per side
         NodeId first = 0;           // its first node, a multiple of 4: level 1, level 2, ... in Morton order
         bool on = false;

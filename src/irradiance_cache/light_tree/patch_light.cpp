@@ -103,6 +103,10 @@ bool PatchLight::follow(const scene::SceneState& state, const ray::RayScene& ray
 {
     const bool reflects = !state.changes().materials_changed.empty();
     if (reflects) albedo_ = patches_.albedo(state.scene(), rays, tasks);
+    if (reflects && (rays.thins_light() || !links_.passes.empty())) {
+        links_ = patches::link_patches(patches_, state, rays, patches::Surroundings(state.scene().background), tasks);
+        emission_.forget();
+    }
     const bool relit = emission_.update(state, rays, lights, tasks);
     return relit || reflects;
 }

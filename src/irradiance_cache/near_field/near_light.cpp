@@ -29,11 +29,82 @@ std::vector<glm::vec3> cosine_directions(int count)
 
 NearLight::NearLight(const NearOptions& options) : options_(options), directions_(cosine_directions(options.rays)) {}
 
+// A surface that a short ray meets.
+struct NearLight::Met {
+    std::size_t receiver, ray;
+    glm::vec3 normal;      // of the receiver
+    glm::vec3 factor{1};   // of the light that it reflects
+};
+
+// Queues a ray to each light that shines on a surface.
+void NearLight::light_surface(const scene::SceneState& state, const ray::RayScene& rays, const Met& met,
+                              Scratch& scratch) const
+{
+    const scene::Scene& scene = state.scene();
+    const std::size_t i = met.ray;
+    const glm::vec3 direction = scratch.rays.direction(i);
+    const auto weight = static_cast<float>(k_pi) / static_cast<float>(directions_.size());
+    const float near = 1 - far_fraction(scratch.hits.t[i], options_.radius);
+    const ray::ObjectGeometry& geometry = rays.geometry(scratch.hits.object[i]);
+    const std::uint32_t triangle = scratch.hits.triangle[i];
+    glm::vec3 p[3];
+    geometry.corners(triangle, p);
+    const float u = scratch.hits.u[i], v = scratch.hits.v[i];
+    glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
+    const float length = glm::length(normal);
+    if (!(length > 0)) return;
+    normal /= length;
+    if (glm::dot(normal, direction) > 0) normal = -normal;
+    const glm::vec3 position = std::max(0.0f, 1 - u - v) * p[0] + u * p[1] + v * p[2];
+    const glm::vec3 from = position + ray::origin_lift(p) * normal;
+    glm::vec3 exitance(-1);
+    for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
+        const scene::Light& light = scene.lights[l];
+        const scene::LightState& at = state.light(l);
+        if (!at.visible || light.of_environment || (light.of_surface && !options_.surface_lights)) continue;
+        const scene::LightSample sample = scene::illuminate(light, at, position);
+        const float cosine = glm::dot(normal, sample.to_light);
+        if (!(cosine > 0) || sample.irradiance == glm::vec3(0)) continue;
+        if (exitance.x < 0) exitance = met.factor * lighting::exitance_per_irradiance(scene, geometry, triangle, u, v);
+        if (exitance == glm::vec3(0)) break;
+        if (light.type == scene::LightType::directional)
+            scratch.shadow_rays.push(from, 0, -at.direction, k_infinity);
+        else
+            scratch.shadow_rays.push(from, 0, at.position - from, ray::k_shadow_ray_end);
+        const glm::vec3 radiance = exitance * sample.irradiance * (cosine / static_cast<float>(k_pi));
+        const float at_point = std::max(glm::dot(direction, met.normal), k_least_cosine);
+        scratch.lit.push_back({met.receiver, radiance * (near * weight), direction / at_point});
+    }
+}
+
+// Lets the rays in scratch.on go on behind surfaces that thin light, with what these let through of the light from
+// beyond.
+void NearLight::light_behind(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
+                             ray::Against against, Scratch& scratch) const
+{
+    constexpr int k_most_surfaces = 8;
+    for (int surface = 0; surface < k_most_surfaces && !scratch.on.empty(); ++surface) {
+        scratch.behind.find(rays, scratch.rays, scratch.on, against, scratch.hits);
+        scratch.cast += scratch.on.size();
+        scratch.next_on.clear();
+        for (const std::uint32_t i : scratch.on) {
+            const std::size_t k = i / directions_.size();
+            ray::ThinSurface thin{.passes = glm::vec3(0), .covered = 1};
+            if (scratch.hits.object[i] == scene::none) continue;
+            if (ray::hits_thin_surface(state.scene(), rays, scratch.hits, i, thin)) scratch.next_on.push_back(i);
+            if (!state.is_dynamic(scratch.hits.object[i]))
+                light_surface(state, rays, {k, i, receivers[k].normal, thin.covered * scratch.passes[i]}, scratch);
+            scratch.passes[i] *= thin.passes;
+        }
+        scratch.on.swap(scratch.next_on);
+    }
+}
+
 void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
                        std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const
 {
-    const scene::Scene& scene = state.scene();
     const std::size_t n = directions_.size();
+    const bool thins = rays.thins_light();
     // Cast the short rays.
     ray::RayQueue& queue = scratch.rays;
     queue.clear();
@@ -51,54 +122,35 @@ void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays
     // Light the surfaces that they meet, and queue a ray to each light.
     scratch.shadow_rays.clear();
     scratch.lit.clear();
-    const auto weight = static_cast<float>(k_pi) / static_cast<float>(n);
+    scratch.on.clear();
+    if (thins) scratch.passes.assign(queue.size(), glm::vec3(1));
     for (std::size_t k = 0; k < count; ++k) {
         answers[k] = {};
         for (std::size_t i = k * n; i < k * n + n; ++i) {
             const scene::ObjectId object = scratch.hits.object[i];
             if (object == scene::none) continue;
             answers[k].nearest = std::min(answers[k].nearest, scratch.hits.t[i]);
-            const glm::vec3 direction = queue.direction(i);
-            if (!(glm::dot(direction, receivers[k].horizon) > 0)) continue;
-            const float near = 1 - far_fraction(scratch.hits.t[i], options_.radius);
-            if (state.is_dynamic(object)) continue;
-            const ray::ObjectGeometry& geometry = rays.geometry(object);
-            const std::uint32_t triangle = scratch.hits.triangle[i];
-            glm::vec3 p[3];
-            geometry.corners(triangle, p);
-            const float u = scratch.hits.u[i], v = scratch.hits.v[i];
-            glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
-            const float length = glm::length(normal);
-            if (!(length > 0)) continue;
-            normal /= length;
-            if (glm::dot(normal, direction) > 0) normal = -normal;
-            const glm::vec3 position = std::max(0.0f, 1 - u - v) * p[0] + u * p[1] + v * p[2];
-            const glm::vec3 from = position + ray::origin_lift(p) * normal;
-            glm::vec3 exitance(-1);
-            for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
-                const scene::Light& light = scene.lights[l];
-                const scene::LightState& at = state.light(l);
-                if (!at.visible || light.of_environment || (light.of_surface && !options_.surface_lights)) continue;
-                const scene::LightSample sample = scene::illuminate(light, at, position);
-                const float cosine = glm::dot(normal, sample.to_light);
-                if (!(cosine > 0) || sample.irradiance == glm::vec3(0)) continue;
-                if (exitance.x < 0) exitance = lighting::exitance_per_irradiance(scene, geometry, triangle, u, v);
-                if (exitance == glm::vec3(0)) break;
-                if (light.type == scene::LightType::directional)
-                    scratch.shadow_rays.push(from, 0, -at.direction, k_infinity);
-                else
-                    scratch.shadow_rays.push(from, 0, at.position - from, ray::k_shadow_ray_end);
-                const glm::vec3 radiance = exitance * sample.irradiance * (cosine / static_cast<float>(k_pi));
-                const float at_point = std::max(glm::dot(direction, receivers[k].normal), k_least_cosine);
-                scratch.lit.push_back({k, radiance * (near * weight), direction / at_point});
+            if (!(glm::dot(queue.direction(i), receivers[k].horizon) > 0)) continue;
+            Met met{k, i, receivers[k].normal};
+            if (ray::ThinSurface thin; thins && ray::hits_thin_surface(state.scene(), rays, scratch.hits, i, thin)) {
+                met.factor = glm::vec3(thin.covered);
+                scratch.passes[i] = thin.passes;
+                scratch.on.push_back(static_cast<std::uint32_t>(i));
             }
+            if (!state.is_dynamic(object)) light_surface(state, rays, met, scratch);
         }
     }
+    light_behind(state, rays, receivers, against, scratch);
     // Add the light that arrives.
     const std::size_t shadow_rays = scratch.shadow_rays.size();
     scratch.cast += shadow_rays;
     scratch.occluded.resize(shadow_rays + ray::k_packet_pad);
     rays.occluded(scratch.shadow_rays, 0, shadow_rays, scratch.occluded.data(), against);
+    if (thins) {
+        scratch.lit_passes.resize(shadow_rays);
+        rays.let_through(scratch.shadow_rays, 0, shadow_rays, scratch.lit_passes.data(), against);
+        for (std::size_t s = 0; s < shadow_rays; ++s) scratch.lit[s].light *= scratch.lit_passes[s];
+    }
     for (std::size_t s = 0; s < shadow_rays; ++s) {
         if (scratch.occluded[s]) continue;
         const Scratch::Lit& lit = scratch.lit[s];

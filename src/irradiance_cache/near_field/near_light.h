@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "ray/ray_scene.h"
+#include "ray/thin_hits.h"
 
 namespace gnomon::irradiance_cache {
 
@@ -53,6 +54,10 @@ class NearLight {
             glm::vec3 light, direction;
         };
         std::vector<Lit> lit;
+        // Where surfaces thin light: rays that go on behind them, and the part of light that passes, by ray.
+        ray::RaysBehind behind;
+        std::vector<std::uint32_t> on, next_on;
+        std::vector<glm::vec3> passes, lit_passes;
         std::uint64_t cast = 0;   // counts up
     };
     explicit NearLight(const NearOptions& options = {});
@@ -63,6 +68,12 @@ class NearLight {
                 std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const;
 
  private:
+    struct Met;
+    void light_surface(const scene::SceneState& state, const ray::RayScene& rays, const Met& met,
+                       Scratch& scratch) const;
+    void light_behind(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
+                      ray::Against against, Scratch& scratch) const;
+
     NearOptions options_;
     std::vector<glm::vec3> directions_;
 };

@@ -37,6 +37,8 @@ struct CachePoint {
     // By colour: a vector whose dot product with a normal close to the point's own is the irradiance. Without dynamic
     // objects, and now.
     glm::vec3 static_light[3] = {}, light[3] = {};
+    // Colour of the light of nodes by surfaces that thin it, relative to its luminance, which the nodes' weights have.
+    glm::vec3 tint{1};
     std::uint32_t owner = k_no_owner;    // of points on dynamic objects: LightTree::owner_of()
     std::uint32_t version = 0;           // LightTree::geometry_version() that `seen` belongs to; 0: not evaluated
     std::uint32_t dynamic_version = 0;   // CacheFrame::dynamic_version that `light` belongs to

@@ -36,7 +36,7 @@ void CpuEvaluator::find_visible_nodes(const CacheFrame& frame, std::span<CachePo
         }
         interruption_point();
         // Keep the nodes that are visible, and sum their light without dynamic objects.
-        visibility.trace_nodes(tester, scratch.counters, [&](CachePoint& point, std::span<const SeenNode> seen) {
+        visibility.trace_nodes(frame, tester, scratch.counters, [&](CachePoint& point, std::span<const SeenNode> seen) {
             const std::size_t padded = (seen.size() + k_seen_step - 1) / k_seen_step * k_seen_step;
             auto kept = std::make_unique<SeenNode[]>(padded);
             // Nodes over patches come last.
@@ -48,6 +48,7 @@ void CpuEvaluator::find_visible_nodes(const CacheFrame& frame, std::span<CachePo
             point.count = static_cast<std::uint32_t>(seen.size());
             point.seen = std::move(kept);
             sum_seen(tree, point.seen.get(), static_cast<std::uint32_t>(padded), point.origin(), point.static_light);
+            for (int colour = 0; colour < 3; ++colour) point.static_light[colour] *= point.tint[colour];
             point.version = version;
             point.dynamic_version = 0;
         });
@@ -86,7 +87,7 @@ void CpuEvaluator::add_patch_difference(const LightTree& tree, CachePoint& point
     const std::uint32_t padded = (point.count + k_seen_step - 1) / k_seen_step * k_seen_step;
     glm::vec3 light[3];
     sum_seen_difference(tree, point.seen.get() + point.patches, padded - point.patches, point.origin(), light);
-    for (int colour = 0; colour < 3; ++colour) point.light[colour] += light[colour];
+    for (int colour = 0; colour < 3; ++colour) point.light[colour] += point.tint[colour] * light[colour];
 }
 
 // Corrects the static light of a point by what dynamic objects change.
@@ -100,8 +101,8 @@ void CpuEvaluator::correct(const CacheFrame& frame, CachePoint& point, Evaluatio
         const NodeId node = seen_node(seen);
         const glm::vec3 to = tree.samples().at(node) - point.origin();
         const glm::vec3 direction = to * (seen_weight(seen) / glm::length(to));
-        const glm::vec3 now = tree.flux().at(node);
-        const glm::vec3 before = node < tree.first_patch() ? tree.static_flux().at(node) : now;
+        const glm::vec3 now = point.tint * tree.flux().at(node);
+        const glm::vec3 before = node < tree.first_patch() ? point.tint * tree.static_flux().at(node) : now;
         if (!changed.crossed) {
             point.add_light(now - before, direction);
             continue;

@@ -104,7 +104,7 @@ void DeviceEvaluator::find_visible_nodes(const CacheFrame& frame, std::span<Cach
         }
         std::size_t p = begin;
         own.visibility.trace_nodes(
-            tester(frame), own.counters, [&](CachePoint& point, std::span<const SeenNode> visible) {
+            frame, tester(frame), own.counters, [&](CachePoint& point, std::span<const SeenNode> visible) {
                 std::vector<SeenNode>& all = seen[number];
                 all.insert(all.end(), visible.begin(), visible.end());
                 all.resize((all.size() + k_seen_step - 1) / k_seen_step * k_seen_step);
@@ -164,11 +164,11 @@ void DeviceEvaluator::sum(const CacheFrame& frame, std::span<CachePoint* const> 
             ++own.counters.summed_points;
             point.dynamic_version = frame.dynamic_version;
             for (int colour = 0; colour < 3; ++colour)
-                point.light[colour] = point.static_light[colour] + sums.light[p].of[colour];
+                point.light[colour] = point.static_light[colour] + point.tint[colour] * sums.light[p].of[colour];
             for (; crossed != sums.crossed.end() && crossed->point == p; ++crossed) {
                 const NodeId node = seen_node(crossed->seen);
                 const glm::vec3 to = frame.lights.samples().at(node) - point.origin();
-                own.present.add_if_unoccluded(frame, point, node, frame.lights.flux().at(node),
+                own.present.add_if_unoccluded(frame, point, node, point.tint * frame.lights.flux().at(node),
                                               to * (seen_weight(crossed->seen) / glm::length(to)));
             }
             if (!corrects) continue;

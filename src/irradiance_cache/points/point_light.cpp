@@ -57,6 +57,7 @@ void StaticVisibility::add(const CacheFrame& frame, CachePoint& point, std::span
     const bool near_field = has_near_field(frame, point);
     const float radius = frame.near_field.light().options().radius;
     added_.push_back({&point, nodes_.size()});
+    point.tint = glm::vec3(1);
     for (std::size_t k = 0; k < cut.size(); ++k) {
         const glm::vec3 to = frame.lights.samples().at(cut[k]) - point.origin();
         const float distance = glm::length(to);
@@ -72,6 +73,28 @@ void StaticVisibility::add(const CacheFrame& frame, CachePoint& point, std::span
     }
 }
 
+// Multiplies the weights of visible nodes by what static surfaces that thin light let through, and finds the points'
+// tint.
+void StaticVisibility::thin_nodes(const CacheFrame& frame)
+{
+    passes_.resize(rays_.size());
+    frame.rays->let_through(rays_, 0, rays_.size(), passes_.data(), ray::Against::static_only);
+    for (std::size_t a = 0; a < added_.size(); ++a) {
+        const std::size_t last = a + 1 < added_.size() ? added_[a + 1].first : rays_.size();
+        glm::vec3 tinted(0), grey(0);
+        for (std::size_t r = added_[a].first; r < last; ++r) {
+            if (occluded_[r]) continue;
+            const glm::vec3 light = weights_[r] * frame.lights.static_flux().at(nodes_[r]);
+            const float passes = luminance(passes_[r]);
+            tinted += passes_[r] * light, grey += passes * light;
+            weights_[r] *= passes;
+            if (!(passes > 0)) occluded_[r] = 1;
+        }
+        for (int colour = 0; colour < 3; ++colour)
+            if (grey[colour] > 0) added_[a].point->tint[colour] = tinted[colour] / grey[colour];
+    }
+}
+
 void StaticVisibility::trace_sky(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters)
 {
     const SkyLight& sky = frame.sky;
@@ -82,15 +105,20 @@ void StaticVisibility::trace_sky(const CacheFrame& frame, const OcclusionTester&
             if (above(*added.point, sky.direction(i)))
                 rays_.push(added.point->origin(), 0, sky.direction(i), k_infinity);
     tester.test(rays_, ray::Against::static_only, occluded_, counters);
-    std::size_t r = 0;
+    const bool thins = frame.rays->thins_light();
+    passes_.resize(thins ? rays_.size() : 0);
+    if (thins) frame.rays->let_through(rays_, 0, rays_.size(), passes_.data(), ray::Against::static_only);
+    std::size_t next = 0;
     for (const Added& added : added_) {
         CachePoint& point = *added.point;
         point.sky = {};
         for (std::size_t i = 0; i < k_sky_directions; ++i) {
-            if (!above(point, sky.direction(i)) || occluded_[r++]) continue;
+            if (!above(point, sky.direction(i))) continue;
+            const std::size_t r = next++;
+            if (occluded_[r]) continue;
             point.sky.set(i);
-            for (int colour = 0; colour < 3; ++colour)
-                point.static_light[colour] += sky.light(i)[colour] * sky.direction(i);
+            const glm::vec3 light = thins ? sky.light(i) * passes_[r] : sky.light(i);
+            for (int colour = 0; colour < 3; ++colour) point.static_light[colour] += light[colour] * sky.direction(i);
         }
     }
 }
@@ -125,10 +153,20 @@ void PresentLight::correct_sky(const CacheFrame& frame, CachePoint& point)
             hidden |= near;
             return false;
         });
+    // Static surfaces thin some of it.
+    const bool thins = frame.rays->thins_light();
+    if (thins) {
+        hidden_rays_.clear();
+        hidden.for_each([&](std::size_t i) { hidden_rays_.push(point.origin(), 0, sky.direction(i), k_infinity); });
+        passes_.resize(hidden_rays_.size());
+        frame.rays->let_through(hidden_rays_, 0, hidden_rays_.size(), passes_.data(), ray::Against::static_only);
+    }
+    std::size_t next = 0;
     hidden.for_each([&](std::size_t i) {
-        point.add_light(-sky.light(i), sky.direction(i));
+        const glm::vec3 light = thins ? sky.light(i) * passes_[next++] : sky.light(i);
+        point.add_light(-light, sky.direction(i));
         rays_.push(point.origin(), 0, sky.direction(i), k_infinity);
-        contributions_.push_back({&point, sky.light(i), sky.direction(i)});
+        contributions_.push_back({&point, light, sky.direction(i)});
     });
 }
 
@@ -168,6 +206,14 @@ void PresentLight::add_arriving(const OcclusionTester& tester, const ray::RayQue
     if (count == 0) return;
     tester.test(rays, against, occluded_, counters);
     counters.rays_dynamic += count;
+    if (tester.rays->thins_light()) {
+        passes_.resize(count);
+        tester.rays->let_through(rays, 0, count, passes_.data(), against);
+        for (std::size_t r = 0; r < count; ++r)
+            if (!occluded_[r])
+                contributions[r].point->add_light(contributions[r].flux * passes_[r], contributions[r].direction);
+        return;
+    }
     for (std::size_t r = 0; r < count; ++r)
         if (!occluded_[r]) contributions[r].point->add_light(contributions[r].flux, contributions[r].direction);
 }

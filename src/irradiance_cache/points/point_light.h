@@ -34,11 +34,14 @@ class StaticVisibility {
     void add(const CacheFrame& frame, CachePoint& point, std::span<const NodeId> cut, std::span<const float> weight);
     /// Traces a ray to each node, and calls store(point, nodes) in order, where `nodes` are those that are visible.
     template <class Store>
-    void trace_nodes(const OcclusionTester& tester, CacheCounters& counters, const Store& store);
+    void trace_nodes(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters,
+                     const Store& store);
     /// Traces rays to the sky, and adds the light of visible directions to the points' static light.
     void trace_sky(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters);
 
  private:
+    void thin_nodes(const CacheFrame& frame);
+
     struct Added {
         CachePoint* point;
         std::size_t first;   // of its rays
@@ -49,6 +52,7 @@ class StaticVisibility {
     std::vector<float> weights_;   // by ray
     std::vector<SeenNode> seen_;   // of one point
     std::vector<std::uint8_t> occluded_;
+    std::vector<glm::vec3> passes_;   // by ray, where anything thins light
 };
 
 /// Corrections of static light by what dynamic objects change in this frame.
@@ -78,6 +82,8 @@ class PresentLight {
     ray::RayQueue rays_, bounce_rays_;
     std::vector<Contribution> contributions_, bounces_;
     std::vector<std::uint8_t> occluded_;
+    std::vector<glm::vec3> passes_;   // by ray, where anything thins light
+    ray::RayQueue hidden_rays_;       // to hidden directions of the sky
 };
 
 /// After all corrections: light of which only rounding errors are left becomes 0, because a dark point is treated
@@ -85,9 +91,11 @@ class PresentLight {
 void end_corrections(CachePoint& point);
 
 template <class Store>
-void StaticVisibility::trace_nodes(const OcclusionTester& tester, CacheCounters& counters, const Store& store)
+void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters,
+                                   const Store& store)
 {
     tester.test(rays_, ray::Against::static_only, occluded_, counters);
+    if (frame.rays->thins_light()) thin_nodes(frame);
     for (std::size_t a = 0; a < added_.size(); ++a) {
         const std::size_t last = a + 1 < added_.size() ? added_[a + 1].first : rays_.size();
         seen_.clear();
