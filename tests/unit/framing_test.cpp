@@ -95,6 +95,64 @@ TEST(Framing, SceneStaysInTheImageAndFillsItAtAllTimes)
     }
 }
 
+// The least and the greatest coordinate in the image at a time, from -1 to 1: of x or of y.
+glm::dvec2 extent(const Scene& scene, const FramingOptions& options, const glm::dvec3& eye, double time, double aspect,
+                  int axis)
+{
+    const glm::dmat3 axes = camera_axes(options.back);
+    const double tangent = std::tan(options.vertical_fov / 2) * (axis == 0 ? aspect : 1);
+    glm::dvec2 result(1e9, -1e9);
+    for (const Object& object : scene.objects)
+        for (const glm::vec3& p : scene.meshes[object.mesh].positions) {
+            const glm::dvec3 to = transform_point(scene.world_matrix(object.node, time), glm::dvec3(p)) - eye;
+            const double at = glm::dot(to, axes[axis]) / (-glm::dot(to, options.back) * tangent);
+            result = glm::dvec2(std::min(result.x, at), std::max(result.y, at));
+        }
+    return result;
+}
+
+TEST(Framing, SceneIsInTheMiddleAlongBothAxes)
+{
+    const FramingOptions options = from_the_right();
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        const Scene scene = clouds(seed, {0, 0, 0});
+        const Framed framed = frame_clip(scene, options);
+        for (const double aspect : {0.4, 1.0, 16.0 / 9, 3.0})
+            for (int axis = 0; axis < 2; ++axis) {
+                const glm::dvec2 at = extent(scene, options, framed.eye(aspect), 0, aspect, axis);
+                EXPECT_NEAR(at.x, -at.y, 1e-4) << seed << ' ' << aspect << ' ' << axis;
+                EXPECT_LE(at.y, 1 / options.margin + 1e-6);
+            }
+    }
+}
+
+// Leaps up and down between any two of 17 looks.
+class Leaps : public TransformTrack {
+ public:
+    glm::dmat4 evaluate(double time) const override
+    {
+        glm::dmat4 result(1);
+        result[3].y = 3 * std::pow(std::sin(16 * k_pi * time), 2);
+        return result;
+    }
+    std::vector<Interval> changing() const override { return {{0, 1}}; }
+};
+
+TEST(Framing, EveryFrameOfAShortClipIsWhole)
+{
+    const FramingOptions options = from_the_right();
+    Scene scene = clouds(4, {0, 0, 0});
+    scene.nodes[1].transform = std::make_shared<Leaps>();
+    scene.timeline.frames = 97;
+    scene.timeline.fps = 96;
+    scene.finish();
+    const Framed framed = frame_clip(scene, options);
+    for (int frame = 1; frame <= scene.timeline.frames; ++frame) {
+        const glm::dvec2 most = reach(scene, options, framed.eye(1), scene.timeline.time_of(frame), 1);
+        EXPECT_LE(std::max(most.x, most.y), 1 / options.margin + 1e-3) << frame;
+    }
+}
+
 TEST(Framing, DistantObjectsDoNotShrinkTheRest)
 {
     const FramingOptions options = from_the_right();

@@ -46,6 +46,18 @@ void add_object(const SceneState& state, ObjectId id, Content& content)
             if (const glm::vec3 p = transform_point(world, positions[v]); is_finite(p)) content.add(p);
 }
 
+// The number of times at which a clip is looked at.
+int looks_at(const Scene& scene, const FramingOptions& options)
+{
+    constexpr double k_most = 480;
+    std::size_t vertices = 1;
+    for (const Object& object : scene.objects)
+        if (object.dynamic) vertices += scene.meshes[object.mesh].positions.size();
+    const double frames = std::min(static_cast<double>(scene.timeline.frames), k_most);
+    const auto affordable = static_cast<double>(options.vertices / vertices);
+    return std::max(options.looks, static_cast<int>(std::min(frames, affordable)));
+}
+
 }   // namespace
 
 glm::dmat3 camera_axes(const glm::dvec3& back)
@@ -64,8 +76,9 @@ Framed frame_clip(const Scene& scene, const FramingOptions& options)
     Content first(options, framed.axes);
     for (ObjectId id = 0; id < objects; ++id) add_object(state, id, first);
     Content all = first;
-    for (int look = 1; length > 0 && look < options.looks; ++look) {
-        state.advance(start + length * look / (options.looks - 1));
+    const int looks = length > 0 ? looks_at(scene, options) : 1;
+    for (int look = 1; look < looks; ++look) {
+        state.advance(start + length * look / (looks - 1));
         for (ObjectId id = 0; id < objects; ++id)
             if (scene.objects[id].dynamic) add_object(state, id, all);
     }

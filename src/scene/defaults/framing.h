@@ -3,7 +3,7 @@
 // Places a camera that sees all of a clip: at the nearest position, in a given direction, from which every vertex is in
 // view at every sampled time.
 //
-// Cost: all vertices once, and the vertices of dynamic objects once for each of `looks` times.
+// Cost: all vertices once, and the vertices of dynamic objects once for each sampled time.
 
 #include <memory>
 
@@ -15,8 +15,10 @@ namespace gnomon::scene {
 struct FramingOptions {
     glm::dvec3 back{0, 0, 1};   // unit, from the scene to the camera; not upright
     double vertical_fov = 0.7;
-    double margin = 1.08;
-    int looks = 17;   // number of sampled times
+    double margin = 1.12;
+    int looks = 17;   // number of sampled times, at least
+    // More of them, up to one for each frame of the clip, as long as they take no more vertices than this.
+    std::size_t vertices = 4'000'000;
     float widest_clip =
         2.5;   // objects that travel farther than this many diagonals of the first frame are framed at its time only
 };
