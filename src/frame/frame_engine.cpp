@@ -88,7 +88,7 @@ auto map_key(const RenderOptions& o)
 auto raster_key(const RenderOptions& o)
 {
     return std::tuple(o.samples, o.layers, o.shadow_textures, o.shadow_filter, o.as_printed, o.overlay, o.indirect_on,
-                      cache_key(o), map_key(o));
+                      o.background == BackgroundKind::environment, cache_key(o), map_key(o));
 }
 
 // Bytes of the buffers of a frame.
@@ -322,19 +322,21 @@ void FrameEngine::fit_rasterizer(const RenderOptions& options)
         return;
     }
     raster_.reset();   // first, because a device may have memory for one of them alone
-    raster_ = make_rasterizer(*state_, {.samples = options.samples,
-                                        .layers = options.layers,
-                                        .shadows = options.shadow_textures,
-                                        .as_printed = options.as_printed,
-                                        .shadow_filter = static_cast<float>(options.shadow_filter),
-                                        .redrawn = plan_.shown == Shown::redrawn,
-                                        .redrawn_stays = settings_.redrawn_stays,
-                                        .indirect = options.indirect,
-                                        .map = map_options(options),
-                                        .visible = cache_options(options),
-                                        .indirect_on = options.indirect_on,
-                                        .rays = rays_.get(),
-                                        .tasks = &tasks_});
+    raster_ = make_rasterizer(
+        *state_, {.samples = options.samples,
+                  .layers = options.layers,
+                  .shadows = options.shadow_textures,
+                  .as_printed = options.as_printed,
+                  .shadow_filter = static_cast<float>(options.shadow_filter),
+                  .backdrop_apart = options.background != BackgroundKind::environment && plan_.shown == Shown::light,
+                  .redrawn = plan_.shown == Shown::redrawn,
+                  .redrawn_stays = settings_.redrawn_stays,
+                  .indirect = options.indirect,
+                  .map = map_options(options),
+                  .visible = cache_options(options),
+                  .indirect_on = options.indirect_on,
+                  .rays = rays_.get(),
+                  .tasks = &tasks_});
     raster_options_ = options;
     raster_rays_ = rays_.get();
 }

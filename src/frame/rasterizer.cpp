@@ -19,7 +19,8 @@ namespace gnomon::frame {
 
 bool raster_needs_rays(const scene::Scene& scene, ShadowTextures shadows)
 {
-    return shadows != ShadowTextures::off && std::ranges::any_of(scene.materials, scene::may_emit);
+    const auto needs = [](const scene::Material& m) { return scene::may_emit(m) || scene::thins_light(m); };
+    return shadows != ShadowTextures::off && std::ranges::any_of(scene.materials, needs);
 }
 
 #ifdef GNOMON_VULKAN
@@ -33,6 +34,7 @@ class VulkanRasterizer final : public Rasterizer {
     {
         options_.samples = settings.samples;
         options_.layers = settings.layers;
+        options_.backdrop_apart = settings.backdrop_apart;
         if (settings.redrawn) options_.ids = &ids_;
         redrawn_stays_ = settings.redrawn_stays;
         if (settings.indirect == Indirect::visible) {

@@ -18,9 +18,10 @@ struct RasterSettings {
     int samples = 1;
     bool layers = false;
     ShadowTextures shadows = ShadowTextures::items;
-    bool as_printed = false;   // as RenderOptions::as_printed
-    float shadow_filter = 1;   // texels; 0: hard
-    bool redrawn = false;      // paint_redrawn() will be called
+    bool as_printed = false;       // as RenderOptions::as_printed
+    float shadow_filter = 1;       // texels; 0: hard
+    bool backdrop_apart = false;   // fill FrameBuffers::alpha: see trace::TracedOptions
+    bool redrawn = false;          // paint_redrawn() will be called
     /// While the time stays the same, paint_redrawn() shows what was drawn for its first frame. So the last of several
     /// images of one moment, each finer than the one before, still shows it.
     bool redrawn_stays = false;
@@ -34,7 +35,8 @@ struct RasterSettings {
     Tasks* tasks = nullptr;
 };
 
-/// Whether a rasterizer of a scene proves what is visible of lights with size, for which it needs a ray scene.
+/// Whether a rasterizer of a scene needs a ray scene: it proves what is visible of lights with size, or finds what
+/// surfaces that thin light let through.
 bool raster_needs_rays(const scene::Scene& scene, ShadowTextures shadows);
 
 class Rasterizer {

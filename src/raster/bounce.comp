@@ -8,6 +8,7 @@
 #include "gpu_scene/gpu_scene_shared.h"
 #include "raster/mirror.glsl"
 #include "raster/raster_shared.h"
+#include "raster/image_light.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 0, scalar) readonly buffer Frame
@@ -34,7 +35,8 @@ void main()
 {
     const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
     if (at.x >= int(frame.width) || at.y >= int(frame.height)) return;
-    const vec3 part = texelFetch(share, at, 0).xyz;
+    const vec4 part_of_image = texelFetch(share, at, 0);
+    const vec3 part = part_of_image.xyz;
     const vec4 diffuse = texelFetch(g_diffuse, at, 0);
     const uint model = uint(diffuse.w);
     if (part == vec3(0) || diffuse.xyz == vec3(0) || model == GNOMON_MODEL_UNLIT) return;
@@ -53,6 +55,6 @@ void main()
             mirrored = rough_fresnel(specular.xyz, normal.w, cosine) * traced_part(normal.w);
         radiance *= max(vec3(1) - coverage * mirrored, vec3(0));
     }
-    imageStore(color, at, imageLoad(color, at) + vec4(part * radiance, 0));
+    imageStore(color, at, imageLoad(color, at) + image_light(part * radiance, part_of_image.w > 0));
     if (push.layers != 0) imageStore(indirect, at, imageLoad(indirect, at) + vec4(part * radiance, 0));
 }

@@ -163,8 +163,8 @@ void RasterFrame::begin_frame(const scene::SceneState& state, const scene::View&
             bounds.add(state.present_bounds().whole);
         unlimited_far_ = view.near + std::max(1.0f, bounds.diagonal() + glm::length(bounds.centre() - view.eye));
     }
-    const shared::RasterFrame constants =
-        frame_constants(*described_, view, !bounced_, !(bounced_ && bounced_->has_further_bounces()));
+    const shared::RasterFrame constants = frame_constants(
+        *described_, view, !bounced_, !(bounced_ && bounced_->has_further_bounces()), options.backdrop_apart);
     const vk::Upload upload = vk::upload_of(frame_, std::span<const shared::RasterFrame>(&constants, 1));
     commands_.upload("send view", {&upload, 1});
     if (bounced_) bounced_->update(commands_, scene_, state);
@@ -243,6 +243,12 @@ void RasterFrame::store_sample(const Drawn& drawn, const RasterOptions& options,
         for (std::size_t i = 0; i < out.depth.data.size(); ++i) out.depth.data[i] = at[4 * i + 3];
     }
     if (drawn.color) store(drawn.color, size_, out.color, 1, false);
+    if (drawn.color && options.backdrop_apart) {
+        resize(out.alpha, size_, 1);
+        const std::span<const float> at = drawn.color.as<float>();
+        for (std::size_t i = 0; i < out.alpha.data.size(); ++i)
+            out.alpha.data[i] = 1 - std::clamp(at[4 * i + 3], 0.0f, 1.0f);
+    }
     if (drawn.direct) store(drawn.direct, size_, out.direct, 1, false);
     if (drawn.indirect) store(drawn.indirect, size_, out.indirect, 1, false);
     if (drawn.lit) {

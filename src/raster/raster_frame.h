@@ -38,7 +38,9 @@ struct RasterOptions {
     bool layers = false;             // fill all of shading::FrameBuffers, not `color` alone
     int transparent_layers = 4;      // transparent surfaces in a row; light from behind them is lost
     std::uint32_t light_batch = 8;   // lights whose shadows are held at once
-    IdImage* ids = nullptr;          // optional: filled by the first sample
+    /// Leave what lies behind the scene out of `color`, and fill `alpha`, as trace::TracedOptions::backdrop_apart says.
+    bool backdrop_apart = false;
+    IdImage* ids = nullptr;   // optional: filled by the first sample
 };
 
 class RasterFrame {

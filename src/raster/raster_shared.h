@@ -24,6 +24,7 @@ struct RasterFrame {
     vec3 background_color, zenith, horizon, ground, sun_direction, sun_radiance;
     vec3 ambient;
     vec3 open_irradiance;   // of a level surface without objects; 0: surfaces that catch shadows are ordinary ones
+    uint backdrop_apart;    // what lies behind the scene goes to the image's fourth component: how much of it is seen
     uint environment_width, environment_height;
     vec3 harmonics[9];
 };
@@ -65,7 +66,7 @@ struct BouncePush {
 #ifdef __cplusplus
 GNOMON_MEMBERS(RasterFrame, eye, orthographic, right, width, up, height, forward, shift, pixel_spread, pixel_width,
                background, stand_in, background_color, zenith, horizon, ground, sun_direction, sun_radiance, ambient,
-               open_irradiance, environment_width, environment_height, harmonics)
+               open_irradiance, backdrop_apart, environment_width, environment_height, harmonics)
 GNOMON_MEMBERS(DrawPush, clip_from_offset, eye)
 GNOMON_MEMBERS(ResolvePush, sample_offset, weight, first, peeled, last)
 GNOMON_MEMBERS(ShadePush, first_light, light_count, shadowed, colors, layers, first_lit, lit_count, lit_pixels)

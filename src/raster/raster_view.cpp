@@ -56,11 +56,11 @@ shared::DrawPush draw_push(const scene::View& view, const glm::vec2& sample, flo
 }
 
 // The irradiance of a level surface by what lies beyond the scene, as rasterised frames light by it. 0 before one
-// colour.
-static glm::vec3 open_irradiance(const scene::Scene& scene)
+// colour, unless that is not seen.
+static glm::vec3 open_irradiance(const scene::Scene& scene, bool apart)
 {
     glm::vec3 sum(0);
-    if (scene.background.kind == scene::Background::Kind::color) return sum;
+    if (!apart && scene.background.kind == scene::Background::Kind::color) return sum;
     if (scene.background.kind == scene::Background::Kind::sky)
         sum += static_cast<float>(k_pi) * scene.background.ambient({0, 1, 0});
     for (const scene::Light& light : scene.lights) {
@@ -71,7 +71,8 @@ static glm::vec3 open_irradiance(const scene::Scene& scene)
     return sum;
 }
 
-shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View& view, bool stand_in, bool further)
+shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View& view, bool stand_in, bool further,
+                                    bool apart)
 {
     const scene::Background& background = scene.background;
     shared::RasterFrame f{};
@@ -90,7 +91,8 @@ shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View
     f.sun_direction = background.sun_direction, f.sun_radiance = background.sun_radiance;
     f.ambient = scene.ambient;
     f.stand_in = stand_in ? 1 : 0;
-    f.open_irradiance = open_irradiance(scene);
+    f.open_irradiance = open_irradiance(scene, apart);
+    f.backdrop_apart = apart ? 1 : 0;
     if (background.kind == scene::Background::Kind::image) {
         f.environment_width = static_cast<std::uint32_t>(background.environment->image().width);
         f.environment_height = static_cast<std::uint32_t>(background.environment->image().height);

@@ -5,7 +5,8 @@
 // stores the weight of the surfaces behind this layer.
 //
 // Reflection and refraction are left out, as in the traced frame at max depth 0; but surfaces behind a transparent one
-// are seen straight through it.
+// are seen straight through it. Where the frame keeps what lies behind the scene apart, the image's fourth component
+// says how much of it is seen.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_scalar_block_layout : require
 #define GNOMON_OBJECTS 0
@@ -28,8 +29,8 @@ layout(binding = 11) uniform samplerBuffer environment;
 layout(binding = 12) uniform utexture2D opaque_ids;
 layout(binding = 13) uniform utexture2D peeled_ids;
 layout(binding = 14, rgba32f) uniform image2D color;
-layout(binding = 15, rgba32f) uniform image2D through;
-layout(binding = 16, rgba32f) uniform writeonly image2D share;
+layout(binding = 15, rgba32f) uniform image2D through;   // w: the part of it that is seen past no glass
+layout(binding = 16, rgba32f) uniform writeonly image2D share;   // w: 1: its light counts as what lies behind
 layout(binding = 17, rgba32f) uniform writeonly image2D g_position;    // w: depth along the view; 0: nothing
 layout(binding = 18, rgba32f) uniform writeonly image2D g_normal;      // w: roughness, or Phong's exponent
 layout(binding = 19, rgba32f) uniform writeonly image2D g_geometric;   // w: coverage
@@ -44,6 +45,7 @@ layout(push_constant, scalar) uniform Push { ResolvePush push; };
 #include "raster/mirror.glsl"
 #include "raster/surface.glsl"
 #include "raster/layers.glsl"
+#include "raster/image_light.glsl"
 
 // Mirrored light of rough surfaces, taken from the background alone (Continuation::unresolved_weight).
 vec3 unresolved_mirror(Surface s)
@@ -98,7 +100,8 @@ void main()
 {
     const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
     if (at.x >= int(frame.width) || at.y >= int(frame.height)) return;
-    const vec3 here = push.first != 0 ? vec3(1) : imageLoad(through, at).xyz;
+    const vec4 reaches = push.first != 0 ? vec4(1) : imageLoad(through, at);
+    const vec3 here = reaches.xyz;
     if (here == vec3(0)) {
         nothing(at);
         return;
@@ -119,7 +122,9 @@ void main()
     const vec4 sum = imageLoad(color, at);
     if (id.x == 0) {
         nothing(at);
-        imageStore(color, at, sum + vec4(push.weight * here * background_radiance(direction), 0));
+        const float apart = frame.backdrop_apart != 0 ? reaches.w : 0;
+        imageStore(color, at, sum + push.weight * vec4((1 - apart) * here * background_radiance(direction),
+                                                       apart * seen_of(here)));
         imageStore(through, at, vec4(0));
         return;
     }
@@ -127,19 +132,28 @@ void main()
     Triangle triangle;
     Surface s = surface_at(draw, id.y, origin, direction, frame.pixel_width, frame.pixel_spread, triangle);
     if (materials.at[draws.at[draw].material].layered != 0) add_layers(triangle, draws.at[draw].material, s);
+    bool behind = false;
+    vec3 unlit_behind = vec3(0);
     if (s.model == GNOMON_MODEL_CATCHER) {
         // It shows what is behind it where nothing keeps light from it (show_behind in shading.cpp).
         s.model = GNOMON_MODEL_METALLIC_ROUGHNESS;
         s.specular = vec3(0);
-        if (frame.open_irradiance != vec3(0))
+        behind = frame.backdrop_apart != 0 && reaches.w > 0.5;
+        if (behind) {
+            const bool lit = min(frame.open_irradiance.x, min(frame.open_irradiance.y, frame.open_irradiance.z)) > 0;
+            s.diffuse = s.ambient = lit ? 3.14159265 / frame.open_irradiance : vec3(0);
+            unlit_behind = lit ? vec3(0) : vec3(1);
+        } else if (frame.open_irradiance != vec3(0))
             s.diffuse = s.ambient = background_radiance(direction) * 3.14159265 / max(frame.open_irradiance, vec3(1e-6));
     }
 
-    vec3 own = s.emissive * s.coverage;
+    vec3 own = s.emissive * s.coverage + unlit_behind;
     own += ambient_light(s) * s.coverage + unresolved_mirror(s);
-    imageStore(color, at, sum + vec4(push.weight * here * own, 0));
-    imageStore(share, at, vec4(push.weight * here, 0));
-    imageStore(through, at, vec4(before_opaque ? here * passes(s) : vec3(0), 0));
+    imageStore(color, at, sum + image_light(push.weight * here * own, behind));
+    imageStore(share, at, vec4(push.weight * here, behind ? 1 : 0));
+    const vec3 passed = before_opaque ? passes(s) : vec3(0);
+    const float bent = max(passed.x, max(passed.y, passed.z)) - s.uncovered;
+    imageStore(through, at, vec4(here * passed, bent > 0 ? reaches.w * s.uncovered / (s.uncovered + bent) : reaches.w));
     imageStore(g_position, at, vec4(s.position, dot(s.position - frame.eye, frame.forward)));
     imageStore(g_normal, at, vec4(s.normal, s.roughness));
     imageStore(g_geometric, at, vec4(s.geometric_normal, s.coverage));

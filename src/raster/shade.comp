@@ -8,6 +8,7 @@
 #include "gpu_scene/gpu_scene_shared.h"
 #include "gpu_scene/light.glsl"
 #include "raster/raster_shared.h"
+#include "raster/image_light.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 0, scalar) readonly buffer Frame { RasterFrame frame; };
@@ -91,7 +92,8 @@ void main()
 {
     const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
     if (at.x >= int(frame.width) || at.y >= int(frame.height)) return;
-    const vec3 part = texelFetch(share, at, 0).xyz;
+    const vec4 part_of_image = texelFetch(share, at, 0);
+    const vec3 part = part_of_image.xyz;
     const vec4 diffuse = texelFetch(g_diffuse, at, 0);
     if (part == vec3(0) || uint(diffuse.w) == GNOMON_MODEL_UNLIT) return;
     const vec4 normal = texelFetch(g_normal, at, 0);
@@ -116,6 +118,6 @@ void main()
             lit_layers.at[bound * push.lit_pixels + uint(at.y) * frame.width + uint(at.x)] += part.x * lit;
     }
     if (push.colors == 0) return;
-    imageStore(color, at, imageLoad(color, at) + vec4(part * sum, 0));
+    imageStore(color, at, imageLoad(color, at) + image_light(part * sum, part_of_image.w > 0));
     if (push.layers != 0) imageStore(direct, at, imageLoad(direct, at) + vec4(part * sum, 0));
 }

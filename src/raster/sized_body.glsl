@@ -39,6 +39,7 @@ layout(binding = 23, scalar) readonly buffer Shares { vec2 shares[]; };   // lig
 layout(push_constant, scalar) uniform Push { SizedPush push; };
 #define lookup push.look_up
 
+#include "raster/image_light.glsl"
 #include "raster/mirror.glsl"
 #include "raster/polygon_light.glsl"
 #ifdef GNOMON_CLOSER
@@ -59,7 +60,8 @@ void main()
 {
     const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
     if (at.x >= int(frame.width) || at.y >= int(frame.height)) return;
-    const vec3 part = texelFetch(share, at, 0).xyz;
+    const vec4 part_of_image = texelFetch(share, at, 0);
+    const vec3 part = part_of_image.xyz;
     const vec4 diffuse = texelFetch(g_diffuse, at, 0);
     if (part == vec3(0) || uint(diffuse.w) == GNOMON_MODEL_UNLIT) {
         imageStore(sized, at, vec4(0));   // in every batch
@@ -142,7 +144,7 @@ void main()
         if (push.unshadowed != 0) seen[0] = seen[1] = vec3(1);
         sum += reflectance * arrives.irradiance * seen[0] + arrives.lobe * seen[1];
     }
-    vec4 result = vec4(part * sum, 0);
+    vec4 result = image_light(part * sum, part_of_image.w > 0);
     if (push.continued != 0) result += imageLoad(sized, at);
     imageStore(sized, at, result);
 }

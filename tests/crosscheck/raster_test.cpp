@@ -13,6 +13,7 @@
 #include "bright_lights.h"
 #include "floor_scene.h"
 #include "gnomon/gnomon.h"
+#include "scene/defaults/surroundings.h"
 #include "scene_helpers.h"
 #include "support.h"
 
@@ -314,6 +315,69 @@ TEST_F(RasterCrosscheck, BackdropsAndCourtyardFillLightEqualTheTracedFrame)
     std::size_t different = 0;
     for (std::size_t i = 0; i < seen[0].size(); ++i) different += std::abs(seen[0][i] - seen[1][i]) > 0.02f;
     EXPECT_LE(different, seen[0].size() / 100);   // at edges, of objects and shadows
+}
+
+// A cube and a pane that covers half of what is behind it, on a ground that catches shadows, under the sun.
+Scene cube_on_a_ground()
+{
+    scene::Scene scene;
+    scene.materials.resize(2);
+    scene.materials[0].base_color = {0.7f, 0.4f, 0.2f};
+    scene.materials[0].ior = 1;
+    scene.materials[1] = scene.materials[0];
+    scene.materials[1].alpha = 0.5f;
+    scene.materials[1].alpha_mode = scene::AlphaMode::blend;
+    scene.materials[1].double_sided = true;
+    scene::Mesh cube, pane;
+    for (int i = 0; i < 8; ++i) cube.positions.push_back(glm::vec3(i & 1, i >> 1 & 1, i >> 2 & 1) - 0.5f);
+    cube.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                      {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    cube.parts = {{0, 0, 12}};
+    pane.positions = {{-1.5f, -0.5f, 0.8f}, {-0.2f, -0.5f, 0.8f}, {-0.2f, 1, 0.8f}, {-1.5f, 1, 0.8f}};
+    pane.triangles = {{0, 1, 2}, {0, 2, 3}};
+    pane.parts = {{1, 0, 2}};
+    scene.meshes.push_back(cube);
+    scene.meshes.push_back(pane);
+    for (const scene::MeshId mesh : {0u, 1u}) test::add_object(scene, mesh);
+    scene::Light sun;
+    sun.type = scene::LightType::directional;
+    sun.color = glm::vec3(2);
+    sun.node = scene.add_node("sun", scene::none, glm::rotate(glm::dmat4(1), -0.9, glm::dvec3(1, 0.4, 0)));
+    scene.lights.push_back(sun);
+    scene.finish();
+    scene::add_default_camera(scene);
+    scene::add_ground(scene, scene::k_wanted_ground);
+    return api::public_scene(std::make_shared<const scene::Scene>(std::move(scene)));
+}
+
+TEST_F(RasterCrosscheck, WhatLiesBehindTheSceneIsKeptApartAsInTheTracedFrame)
+{
+    const Scene scene = cube_on_a_ground();
+    std::vector<float> color[2], alpha[2];
+    std::vector<std::uint8_t> shown[2];
+    for (const RenderMethod renderer : {RenderMethod::trace, RenderMethod::raster}) {
+        RenderOptions options = options_of(renderer, {96, 64});
+        options.background = BackgroundKind::color;
+        options.background_color[0] = 1, options.background_color[2] = 0.5f;
+        options.exposure = 0;
+        options.max_depth = 4;
+        const Frame frame = Renderer(options).render(scene, 1);
+        const int i = renderer == RenderMethod::raster;
+        color[i] = frame.layers[0].copy(), alpha[i] = layer(frame, "alpha").copy();
+        shown[i] = frame.to_srgb8();
+    }
+    // Each kind of pixel is there: the scene, nothing, the pane before nothing, shadows on the ground.
+    std::size_t kinds[4] = {};
+    for (const float a : alpha[0]) ++kinds[a > 0.99f ? 0 : a < 0.01f ? 1 : std::abs(a - 0.5f) < 0.02f ? 2 : 3];
+    EXPECT_GT(kinds[0], 200u);
+    EXPECT_GT(kinds[1], 1000u);
+    EXPECT_GT(kinds[2], 50u);
+    std::size_t different = 0, different_shown = 0;
+    for (std::size_t i = 0; i < alpha[0].size(); ++i) different += std::abs(alpha[0][i] - alpha[1][i]) > 0.02f;
+    for (std::size_t i = 0; i < color[0].size(); ++i) different += std::abs(color[0][i] - color[1][i]) > 0.02f;
+    for (std::size_t i = 0; i < shown[0].size(); ++i) different_shown += std::abs(shown[0][i] - shown[1][i]) > 6;
+    EXPECT_LE(different, alpha[0].size() / 50);   // at edges, of objects and shadows
+    EXPECT_LE(different_shown, shown[0].size() / 50);
 }
 
 TEST_F(RasterCrosscheck, ColoursOfKitchenEqualTheTracedFrame)

@@ -151,8 +151,11 @@ TEST(Background, GlassShowsWhatIsBehindAndKeepsItsReflections)
 TEST(Background, RefusesWhatItCannotShow)
 {
     RenderOptions options = small(BackgroundKind::transparent);
-    options.renderer = RenderMethod::raster;
+    options.overlay = Overlay::shadow_states;
     EXPECT_THROW(check_options(options), UsageError);
+    options.overlay = Overlay::none;
+    options.renderer = RenderMethod::raster;
+    EXPECT_NO_THROW(check_options(options));
     options = small(BackgroundKind::color);
     options.background_color[1] = 2;
     EXPECT_THROW(check_options(options), UsageError);
