@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "shading/glossy.h"
+#include "shading/layers.h"
 
 namespace gnomon::frame {
 
@@ -36,15 +37,13 @@ class ReferenceIndirect::Work final : public Worker {
         }
         const std::size_t diffuse = requests_.size();
         result.lobe_point.clear();
+        coats_.clear();
+        for (const trace::TilePoint& point : batch.points)
+            if (point.coat_glossy) coats_.push_back(shading::coat_surface(point.surface));
+        auto coat = coats_.begin();
         for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
-            const trace::TilePoint& point = batch.points[p];
-            if (!point.glossy) continue;
-            const std::uint64_t place = batch.tile.index_in_image(point.pixel, light_.image_width_);
-            const std::uint64_t key = reference::mix(place, points_of_pixel_[point.pixel]++);
-            const glm::vec3 share = shading::glossy_albedo(point.surface) * point.surface.coverage;
-            requests_.push_back(
-                {irradiance_point(batch, p, key), samples_of(point.throughput * share), &point.surface});
-            result.lobe_point.push_back(p);
+            if (batch.points[p].glossy) request_lobe(batch, p, batch.points[p].surface, result);
+            if (batch.points[p].coat_glossy) request_lobe(batch, p, *coat++, result);
         }
         estimates_.resize(requests_.size());
         paths_.estimate(requests_, estimates_.data());
@@ -68,6 +67,16 @@ class ReferenceIndirect::Work final : public Worker {
     std::uint64_t rays() const { return paths_.counters().rays; }
 
  private:
+    void request_lobe(const trace::PointBatch& batch, std::uint32_t p, const shading::SurfacePoint& surface,
+                      trace::IndirectResult& result)
+    {
+        const trace::TilePoint& point = batch.points[p];
+        const std::uint64_t place = batch.tile.index_in_image(point.pixel, light_.image_width_);
+        const std::uint64_t key = reference::mix(place, points_of_pixel_[point.pixel]++);
+        const glm::vec3 share = shading::glossy_albedo(surface) * surface.coverage;
+        requests_.push_back({irradiance_point(batch, p, key), samples_of(point.throughput * share), &surface});
+        result.lobe_point.push_back(p);
+    }
     reference::IrradiancePoint irradiance_point(const trace::PointBatch& batch, std::uint32_t p,
                                                 std::uint64_t key) const
     {
@@ -91,6 +100,7 @@ class ReferenceIndirect::Work final : public Worker {
     reference::ReferencePaths paths_;
     std::vector<reference::ReferencePaths::Request> requests_;
     std::vector<reference::IrradianceEstimate> estimates_;
+    std::vector<shading::SurfacePoint> coats_;     // of points with a glossy coat, in their order
     std::vector<std::uint32_t> points_of_pixel_;   // over all samples of the tile
 };
 

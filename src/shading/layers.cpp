@@ -168,6 +168,21 @@ glm::vec3 bent(const SurfacePoint& s, const glm::vec3& half, float ior)
 
 }   // namespace
 
+SurfacePoint coat_surface(const SurfacePoint& s)
+{
+    SurfacePoint coat = s;
+    coat.normal = s.layers.coat_normal;
+    coat.roughness = s.layers.coat_roughness;
+    // Fresnel reflection is part of the coverage.
+    coat.specular = glm::vec3(1);
+    coat.f90 = 1;
+    coat.coverage = s.layers.coat;
+    coat.diffuse = coat.ambient = coat.emissive = coat.transmitted = glm::vec3(0);
+    coat.layered = false;
+    coat.layers = {};
+    return coat;
+}
+
 float coat_fresnel(float cosine)
 {
     return schlick(k_coat_f0, cosine);

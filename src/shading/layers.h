@@ -23,6 +23,10 @@ float anisotropic_lobe(const SurfacePoint& s, const glm::vec3& to_light);
 /// The normal about which a layered surface mirrors: that of the base, bent across the grain of brushed surfaces.
 glm::vec3 mirror_normal(const SurfacePoint& s);
 
+/// The coat of a layered surface as a surface of its own, whose glossy lobe (glossy.h) is the coat's: it mirrors
+/// LayerPoint::coat of the light from everywhere, and has nothing below.
+SurfacePoint coat_surface(const SurfacePoint& s);
+
 /// Fresnel reflectance of a coat of index 1.5.
 float coat_fresnel(float cosine);
 

@@ -18,7 +18,7 @@ struct IndirectResult {
     std::vector<glm::vec3> irradiance_error;   // standard error of `irradiance`
     std::vector<glm::vec3> error;              // of the sum of both
     // What the lobes of glossy points reflect to the viewer of emissive surfaces and of the background.
-    std::vector<std::uint32_t> lobe_point;   // of the batch, ascending
+    std::vector<std::uint32_t> lobe_point;   // of the batch, ascending; twice for a coated one
     std::vector<glm::vec3> lobe_radiance;
     std::vector<glm::vec3> lobe_error;   // standard error
 };

@@ -66,11 +66,12 @@ struct TilePoint {
     shading::Continuation next;
     std::uint32_t pixel;   // of the tile
     glm::vec3 throughput;
-    float parts = 1;         // as of its path
-    bool straight = false;   // see Path
-    bool behind = false;     // its light counts as what lies behind the scene: TracedOptions::backdrop_apart
-    bool glossy = false;     // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
-    LobePath lobe;           // of the path that it ends
+    float parts = 1;            // as of its path
+    bool straight = false;      // see Path
+    bool behind = false;        // its light counts as what lies behind the scene: TracedOptions::backdrop_apart
+    bool glossy = false;        // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
+    bool coat_glossy = false;   // likewise, of its coat's lobe
+    LobePath lobe;              // of the path that it ends
 };
 
 /// The points of one queue. The spans hold until the batch is shaded.

@@ -5,6 +5,7 @@
 
 #include "base/interruption.h"
 #include "shading/glossy.h"
+#include "shading/layers.h"
 
 namespace gnomon::trace {
 
@@ -23,33 +24,54 @@ float highlight_share(const shading::SurfacePoint& s)
     return t * t * (3 - 2 * t);
 }
 
-// What a point reflects of light that reaches it.
-glm::vec3 SizedLighting::reflected(const TilePoint& point, float highlight, const shading::UnshadowedLight& light) const
+float coat_highlight_share(const shading::SurfacePoint& s)
 {
-    const shading::SurfacePoint& s = point.surface;
+    return s.layered && s.layers.coat > 0 ? highlight_share(shading::coat_surface(s)) : 0;
+}
+
+// What a point reflects of light that reaches it.
+glm::vec3 SizedLighting::reflected(const PointBatch& batch, std::uint32_t point, const Arriving& light) const
+{
+    const shading::SurfacePoint& s = batch.points[point].surface;
+    const shading::UnshadowedLight& base = light.base;
+    const float highlight = highlight_[point];
     glm::vec3 radiance(0);
     if (highlight < 1)
-        radiance += (1 - highlight) * shading::reflect_irradiance(s, point.next, glm::vec3(0), light.irradiance);
+        radiance +=
+            (1 - highlight) * shading::reflect_irradiance(s, batch.points[point].next, glm::vec3(0), base.irradiance);
     if (highlight > 0) {
         // What the lobe does not reflect reaches the diffuse layer.
         const glm::vec3 below = glm::vec3(1) - shading::glossy_albedo(s);
-        radiance +=
-            highlight * (light.lobe + below * shading::reflect_irradiance(s, {}, glm::vec3(0), light.irradiance));
+        radiance += highlight * (base.lobe + below * shading::reflect_irradiance(s, {}, glm::vec3(0), base.irradiance));
     }
-    return radiance;
+    return coat_highlight_[point] > 0 ? radiance + coat_highlight_[point] * light.coat : radiance;
+}
+
+// What is left of the light of a point that sees some of its places.
+SizedLighting::Arriving SizedLighting::seen_of(const PointBatch& batch, const scene::SizedLight& light,
+                                               const Asked& asked, std::span<const scene::SizedPlace> places,
+                                               std::span<const std::uint8_t> seen, int whole) const
+{
+    const shading::SurfacePoint& s = batch.points[asked.point].surface;
+    Arriving result = asked.arrives;
+    const shading::VisibleShare share =
+        shading::visible_share(s, light, places, seen, whole, highlight_[asked.point] > 0);
+    result.base.irradiance *= share.irradiance, result.base.lobe *= share.lobe;
+    if (coat_highlight_[asked.point] > 0)
+        result.coat *= shading::visible_share(shading::coat_surface(s), light, places, seen, whole, true).lobe;
+    return result;
 }
 
 // Adds what a point reflects of the light that it sees.
-void SizedLighting::add_seen(const PointBatch& batch, const scene::SizedLight& light, const Asked& asked,
-                             shading::UnshadowedLight seen,
+void SizedLighting::add_seen(const PointBatch& batch, const scene::SizedLight& light, const Asked& asked, Arriving seen,
                              const std::function<void(const TilePoint&, const glm::vec3&)>& add)
 {
     const TilePoint& point = batch.points[asked.point];
     if (passing_.any()) {
         const glm::vec3 passes = passing_.from_light(point.surface, batch.shadow_points[asked.point].origin, light);
-        seen.irradiance *= passes, seen.lobe *= passes;
+        seen.base.irradiance *= passes, seen.base.lobe *= passes, seen.coat *= passes;
     }
-    add(point, reflected(point, highlight_[asked.point], seen));
+    add(point, reflected(batch, asked.point, seen));
 }
 
 void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
@@ -57,7 +79,11 @@ void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
 {
     visibility_->prepare(batch);
     highlight_.resize(batch.points.size());
-    for (std::size_t p = 0; p < batch.points.size(); ++p) highlight_[p] = highlight_share(batch.points[p].surface);
+    coat_highlight_.resize(batch.points.size());
+    for (std::size_t p = 0; p < batch.points.size(); ++p) {
+        highlight_[p] = highlight_share(batch.points[p].surface);
+        coat_highlight_[p] = coat_highlight_share(batch.points[p].surface);
+    }
 
     for (std::uint32_t l = 0; l < lights_.lights().size(); ++l) {
         interruption_point();
@@ -67,12 +93,13 @@ void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
         for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
             const TilePoint& point = batch.points[p];
             const shading::SurfacePoint& s = point.surface;
-            const bool lobe = highlight_[p] > 0;
-            if (s.model == scene::ShadingModel::unlit || (!lobe && s.diffuse == glm::vec3(0))) continue;
-            const shading::UnshadowedLight arrives = shading::unshadowed(s, light, lobe);
-            if (arrives.irradiance == glm::vec3(0) && arrives.lobe == glm::vec3(0)) continue;
+            const bool lobe = highlight_[p] > 0, coat = coat_highlight_[p] > 0;
+            if (s.model == scene::ShadingModel::unlit || (!lobe && !coat && s.diffuse == glm::vec3(0))) continue;
+            Arriving arrives{shading::unshadowed(s, light, lobe)};
+            if (coat) arrives.coat = shading::unshadowed(shading::coat_surface(s), light, true).lobe;
+            if (!arrives.any()) continue;
             const std::size_t few =
-                image.empty() ? 0 : few_.count(l, point, luminance(reflected(point, highlight_[p], arrives)), image[p]);
+                image.empty() ? 0 : few_.count(l, point, luminance(reflected(batch, p, arrives)), image[p]);
             if (few > 0) {
                 dim_.push_back({p, arrives});
                 few_.push(l, few, p, batch);
@@ -88,18 +115,15 @@ void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
         if (!fine_.empty()) visibility_->find_visible(batch, l, points_, visible_);
         for (std::size_t k = 0; k < fine_.size(); ++k) {
             if (visible_.answer[k] == SizedVisible::Answer::dark) continue;
-            shading::UnshadowedLight light_here = fine_[k].arrives;
-            const float highlight = highlight_[fine_[k].point];
+            Arriving light_here = fine_[k].arrives;
+            const bool lobe = highlight_[fine_[k].point] > 0 || coat_highlight_[fine_[k].point] > 0;
             if (visible_.answer[k] == SizedVisible::Answer::partial) {
                 const bool known = visible_.share[k] >= 0;
-                if (!known || highlight > 0) {
-                    const shading::VisibleShare share =
-                        shading::visible_share(batch.points[fine_[k].point].surface, light, *visible_.places[k],
-                                               visible_.seen_by(k), SizedVisible::k_whole, highlight > 0);
-                    light_here.irradiance *= share.irradiance, light_here.lobe *= share.lobe;
-                } else {
-                    light_here.irradiance *= visible_.share[k];
-                }
+                if (!known || lobe)
+                    light_here = seen_of(batch, light, fine_[k], *visible_.places[k], visible_.seen_by(k),
+                                         SizedVisible::k_whole);
+                else
+                    light_here.base.irradiance *= visible_.share[k];
             }
             add_seen(batch, light, fine_[k], light_here, add);
         }
@@ -108,22 +132,15 @@ void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
             const visibility::ShadowPoint& at = batch.shadow_points[asked.point];
             between_seen_.find(rays_, s, at.origin,
                                shading::smooth_origin(rays_.geometry(at.object), at.triangle, at.u, at.v, s), light);
-            const shading::VisibleShare share =
-                shading::visible_share(s, light, between_seen_.places(), between_seen_.seen(),
-                                       shading::SeenBetween::k_whole, highlight_[asked.point] > 0);
-            shading::UnshadowedLight light_here = asked.arrives;
-            light_here.irradiance *= share.irradiance, light_here.lobe *= share.lobe;
-            add_seen(batch, light, asked, light_here, add);
+            add_seen(batch, light, asked,
+                     seen_of(batch, light, asked, between_seen_.places(), between_seen_.seen(),
+                             shading::SeenBetween::k_whole),
+                     add);
         }
         few_.trace();
         for (std::size_t k = 0; k < dim_.size(); ++k) {
-            shading::UnshadowedLight light_here = dim_[k].arrives;
-            const shading::VisibleShare share =
-                shading::visible_share(batch.points[dim_[k].point].surface, light, few_.places(k), few_.seen(k), 1,
-                                       highlight_[dim_[k].point] > 0);
-            light_here.irradiance *= share.irradiance, light_here.lobe *= share.lobe;
-            if (light_here.irradiance == glm::vec3(0) && light_here.lobe == glm::vec3(0)) continue;
-            add_seen(batch, light, dim_[k], light_here, add);
+            const Arriving light_here = seen_of(batch, light, dim_[k], few_.places(k), few_.seen(k), 1);
+            if (light_here.any()) add_seen(batch, light, dim_[k], light_here, add);
         }
     }
 }

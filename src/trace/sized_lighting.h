@@ -6,7 +6,8 @@
 // share (sized_visibility.h; few_places.h where the light is dim beside an environment image).
 //
 // A light is counted once. A smooth surface shows it in the ray that it reflects, and draws no highlight of it; a rough
-// one draws a highlight, and its reflected ray does not see emission. In between, both are blended by roughness.
+// one draws a highlight, and its reflected ray does not see emission. In between, both are blended by roughness. A coat
+// does the same for its part of the ray, by its own roughness.
 
 #include <functional>
 
@@ -21,6 +22,8 @@ namespace gnomon::trace {
 /// The share of the highlights of lights with size in a surface's reflection of them: 0 where reflected rays show
 /// emissive surfaces, 1 where the glossy lobe reflects the lights instead.
 float highlight_share(const shading::SurfacePoint& s);
+/// The same of the coat of a layered surface; 0 without.
+float coat_highlight_share(const shading::SurfacePoint& s);
 
 /// One per thread.
 class SizedLighting {
@@ -44,14 +47,26 @@ class SizedLighting {
     const ray::RayScene& rays_;
     FewPlaces few_;
     PassingLight passing_;
-    std::vector<float> highlight_;   // by point of the batch
+    // By point of the batch.
+    std::vector<float> highlight_, coat_highlight_;
+    // A light as a point sees it: the surface, and its coat.
+    struct Arriving {
+        shading::UnshadowedLight base;
+        glm::vec3 coat{0};   // radiance that the coat's lobe reflects
+        bool any() const
+        {
+            return base.irradiance != glm::vec3(0) || base.lobe != glm::vec3(0) || coat != glm::vec3(0);
+        }
+    };
     struct Asked {
         std::uint32_t point = 0;
-        shading::UnshadowedLight arrives;
+        Arriving arrives;
     };
-    glm::vec3 reflected(const TilePoint& point, float highlight, const shading::UnshadowedLight& light) const;
-    void add_seen(const PointBatch& batch, const scene::SizedLight& light, const Asked& asked,
-                  shading::UnshadowedLight seen, const std::function<void(const TilePoint&, const glm::vec3&)>& add);
+    glm::vec3 reflected(const PointBatch& batch, std::uint32_t point, const Arriving& light) const;
+    Arriving seen_of(const PointBatch& batch, const scene::SizedLight& light, const Asked& asked,
+                     std::span<const scene::SizedPlace> places, std::span<const std::uint8_t> seen, int whole) const;
+    void add_seen(const PointBatch& batch, const scene::SizedLight& light, const Asked& asked, Arriving seen,
+                  const std::function<void(const TilePoint&, const glm::vec3&)>& add);
 
     // Points that the present light could reach, by visibility; those between the horizons of smooth meshes apart.
     std::vector<Asked> fine_, dim_, between_;

@@ -262,6 +262,11 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
             point.glossy = true;
             point.next.unresolved_weight = glm::vec3(point.next.coat_unresolved);
         }
+        if (indirect_light_ && indirect_light_->reflects_lobes() && s.layered && s.layers.coat > 0 &&
+            shading::has_glossy_lobe(shading::coat_surface(s))) {
+            point.coat_glossy = true;
+            point.next.unresolved_weight -= point.next.coat_unresolved;
+        }
 
         // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
         glm::vec3 own = unlit_behind;
@@ -613,8 +618,8 @@ void TileTracer::store_lobes()
         }
 }
 
-// Queues the rays of a layered surface. Its coat always shows lights by the mirrored ray; rough transmission takes
-// several rays.
+// Queues the rays of a layered surface. Base and coat share the mirrored ray, and each leaves out of it what its lobe
+// reflects instead; rough transmission takes several rays.
 void TileTracer::queue_layered(const TilePoint& point, const glm::vec3& lift)
 {
     const shading::SurfacePoint& s = point.surface;
@@ -623,11 +628,12 @@ void TileTracer::queue_layered(const TilePoint& point, const glm::vec3& lift)
     path.lobe = point.lobe, path.parts = point.parts;
     if (largest(path.throughput) * path.parts >= options_.min_throughput) {
         const float coat = std::clamp(c.coat_reflected / largest(c.reflected_weight), 0.0f, 1.0f);
-        const auto shown = [&](bool by_lobe) {
+        const auto shown = [&](bool by_lobe, bool by_coat) {
             const float base = point.glossy ? 0 : by_lobe ? 1 - highlight_share(s) : 1;
-            return coat + (1 - coat) * base;
+            const float of_coat = point.coat_glossy ? 0 : by_coat ? 1 - coat_highlight_share(s) : 1;
+            return coat * of_coat + (1 - coat) * base;
         };
-        path.emission = shown(sized_.has_value()), path.background = shown(sees_image_);
+        path.emission = shown(sized_.has_value(), sized_.has_value()), path.background = shown(sees_image_, false);
         next_reflected_.push(path, s.position + lift, 0, c.reflected, k_infinity);
     }
     shading::find_transmitted(s, c, point.parts > 1, transmitted_);
