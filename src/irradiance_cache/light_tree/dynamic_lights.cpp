@@ -65,10 +65,8 @@ void LightTree::gather_dynamic()
         // Sum the lit surfaces by owner and octant.
         for (std::size_t i = 0; i < texels.size(); ++i) {
             if (hits.object[i] == scene::none || !state_->is_dynamic(hits.object[i])) continue;
-            if (!factor.empty() && factor[i] == glm::vec3(0)) continue;
-            Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
+            const Leaf leaf = leaf_at(view, queue, hits, i, measure[i], factor);
             if (!(leaf.area > 0)) continue;
-            if (!factor.empty()) leaf.flux *= factor[i];
             const std::uint32_t octant =
                 (leaf.normal.x < 0 ? 1u : 0u) | (leaf.normal.y < 0 ? 2u : 0u) | (leaf.normal.z < 0 ? 4u : 0u);
             const std::uint32_t owner = owner_of(leaf.object);

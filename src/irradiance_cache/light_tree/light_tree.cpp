@@ -178,9 +178,11 @@ void LightTree::find_roots()
 }
 
 // The surface that a light map's ray hits, as a virtual point light. Its area is 0 if there is none.
+// @param factor  as of find_thin_leaves()
 LightTree::Leaf LightTree::leaf_at(const View& view, const ray::RayQueue& queue, const ray::Hits& hits, std::size_t i,
-                                   double measure) const
+                                   double measure, std::span<const glm::vec3> factor) const
 {
+    if (!factor.empty() && factor[i] == glm::vec3(0)) return {};
     if (hits.object[i] == scene::none) return {};
     const scene::Scene& scene = state_->scene();
     const scene::Light& light = scene.lights[view.light];
@@ -215,17 +217,15 @@ LightTree::Leaf LightTree::leaf_at(const View& view, const ray::RayQueue& queue,
     leaf.sample = position + ray::origin_lift(p) * normal;
     leaf.flux = lighting::exitance_per_irradiance(scene, geometry, hits.triangle[i], u, v) * sample.irradiance *
                 static_cast<float>(facing_area);
+    if (!factor.empty()) leaf.flux *= factor[i];
     return leaf;
 }
 
 // Traces the leaves of static surfaces and builds the pyramid above them.
 void LightTree::make_view(View& view)
 {
-    const scene::SceneState& state = *state_;
-    const ray::RayScene& rays = *rays_;
-    const scene::Scene& scene = state.scene();
-    const scene::Light& light = scene.lights[view.light];
-    const scene::LightState& at = state.light(view.light);
+    const scene::Light& light = state_->scene().lights[view.light];
+    const scene::LightState& at = state_->light(view.light);
     const NodeId leaves = first_of_level(view, view.levels);
     const auto count = static_cast<std::uint32_t>(view.side * view.side);
     const NodeId end = leaves + count;
@@ -263,15 +263,14 @@ void LightTree::make_view(View& view)
     hits.resize(count);
     for (std::uint32_t i = 0; i < count; i += k_rays_at_once) {
         interruption_point();
-        rays.closest(queue, i, std::min(i + k_rays_at_once, count), hits, ray::Sides::both, ray::Against::static_only);
+        rays_->closest(queue, i, std::min(i + k_rays_at_once, count), hits, ray::Sides::both,
+                       ray::Against::static_only);
     }
     const std::vector<glm::vec3> factor =
-        find_thin_leaves(scene, rays, queue, view.behind, ray::Against::static_only, hits);
+        find_thin_leaves(state_->scene(), *rays_, queue, view.behind, ray::Against::static_only, hits);
     for (std::uint32_t i = 0; i < count; ++i) {
         if (i % k_rays_at_once == 0) interruption_point();
-        if (!factor.empty() && factor[i] == glm::vec3(0)) continue;
-        Leaf leaf = leaf_at(view, queue, hits, i, measure[i]);
-        if (!factor.empty()) leaf.flux *= factor[i];
+        const Leaf leaf = leaf_at(view, queue, hits, i, measure[i], factor);
         if (!(leaf.area > 0)) continue;
         Node& node = node_of(leaves + i);
         node.position = leaf.position, node.normal = leaf.normal, node.sample = leaf.sample;

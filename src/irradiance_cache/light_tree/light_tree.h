@@ -175,8 +175,8 @@ class LightTree {
     void rebuild(Tasks& tasks);
     void make_view(View& view);
     void note_patch(View& view, std::uint32_t leaf_number, const Leaf& leaf, const ray::Hits& hits) const;
-    Leaf leaf_at(const View& view, const ray::RayQueue& queue, const ray::Hits& hits, std::size_t i,
-                 double measure) const;
+    Leaf leaf_at(const View& view, const ray::RayQueue& queue, const ray::Hits& hits, std::size_t i, double measure,
+                 std::span<const glm::vec3> factor) const;
     void follow_dynamic(const scene::FrameChanges& changes);
     void find_dynamic(View& view, std::vector<light_views::Rect>& where) const;
     static int stray_of(const View& view, const glm::vec3& sample, std::uint32_t leaf);
