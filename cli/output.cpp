@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "base/one_line.h"
 #include "cli/progress_line.h"
 #include "cli/signals.h"
 #include "gnomon/error.h"
@@ -57,13 +58,13 @@ void Output::warn(std::string_view line)
 {
     if (impl_->quiet) return;
     impl_->progress.clear();
-    std::fputs(fmt::format("warning: {}\n", line).c_str(), stderr);
+    std::fputs(fmt::format("warning: {}\n", one_line(std::string(line))).c_str(), stderr);
 }
 
 void Output::error(std::string_view line)
 {
     impl_->progress.clear();
-    std::fputs(fmt::format("gnomon: {}\n", line).c_str(), stderr);
+    std::fputs(fmt::format("gnomon: {}\n", one_line(std::string(line))).c_str(), stderr);
 }
 
 Progress Output::progress()

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/machine.h"
+#include "base/one_line.h"
 #include "cli/progress_line.h"
 #include "cli/subcommands.h"
 #include "gnomon/gnomon.h"
@@ -201,8 +202,9 @@ std::string summary_of(const VideoResult& result, double seconds)
     double noise = 0;
     for (const FrameRecord& record : result.frames) noise = std::max(noise, record.noise);
     if (noise > 0) frames += fmt::format(", noise {:.2f} %", 100 * noise);
-    if (result.files.size() == 1) return fmt::format("{} ({})", result.files[0].string(), frames);
-    return fmt::format("{} ... {} ({})", result.files.front().string(), result.files.back().string(), frames);
+    const std::string first = one_line(result.files.front().string()), last = one_line(result.files.back().string());
+    return result.files.size() == 1 ? fmt::format("{} ({})", first, frames)
+                                    : fmt::format("{} ... {} ({})", first, last, frames);
 }
 
 // Warns that results of the published method are unproven and depend on the first frame rendered.

@@ -3,7 +3,7 @@
 // The exceptions that the library throws, one type for each way in which a caller can react.
 //
 // A failed internal check throws InternalError, and expected outcomes are return values. `what()` is always one line
-// that can be shown to the user.
+// that can be shown to the user: '?' stands for control characters and for bytes that are not UTF-8.
 
 #include <stdexcept>
 #include <string>
@@ -13,7 +13,8 @@ namespace gnomon {
 /// Base class of all exceptions that the library throws.
 class Error : public std::runtime_error {
  public:
-    using std::runtime_error::runtime_error;
+    /// @param message  one clause without a full stop; what() is this in one line
+    explicit Error(const std::string& message);
 };
 
 /// An input file that cannot be used. The message names the file, the place in it and the fault. Exit code 3.

@@ -16,6 +16,9 @@
 
 namespace gnomon {
 
+/// A clip of more frames is rendered only where VideoJob::frames names them.
+constexpr int k_most_frames_unasked = 100'000;
+
 /// What to render, and where to.
 struct VideoJob {
     std::filesystem::path out;          // .png, .mp4, or a numbered set: name-{frame:04}.png

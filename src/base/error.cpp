@@ -8,8 +8,10 @@
 
 namespace gnomon {
 
+Error::Error(const std::string& message) : std::runtime_error(one_line(message)) {}
+
 InputError::InputError(std::string file, std::string place, std::string what)
-    : Error(one_line(place.empty() ? fmt::format("{}: {}", file, what) : fmt::format("{}:{}: {}", file, place, what))),
+    : Error(place.empty() ? fmt::format("{}: {}", file, what) : fmt::format("{}:{}: {}", file, place, what)),
       file_(std::move(file)),
       place_(std::move(place)),
       problem_(std::move(what))

@@ -75,7 +75,7 @@ NodeId Scene::add_node(std::string node_name, NodeId parent, const glm::dmat4& l
 
 void Scene::finish()
 {
-    for (std::string& warning : warnings) warning = one_line(std::move(warning));
+    for (std::string& warning : warnings) warning = one_line(warning);
 
     // Check the guarantees of importers.
     for (std::size_t m = 0; m < meshes.size(); ++m) {

@@ -474,11 +474,12 @@ void SceneState::note_overridden()
 bool SceneState::rides_along(ObjectId object) const
 {
     const NodeId anchor = scene_->groups[group_of_[object]].anchor;
-    const auto by_group = [&](const auto& self, NodeId n) -> glm::dmat4 {
-        return n == anchor ? world_[n] : self(self, scene_->nodes[n].parent) * scene_->nodes[n].local;
-    };
     const NodeId node = scene_->objects[object].node;
-    return same_bits(by_group(by_group, node), world_[node]);
+    std::vector<NodeId> chain;
+    for (NodeId n = node; n != anchor; n = scene_->nodes[n].parent) chain.push_back(n);
+    glm::dmat4 by_group = world_[anchor];
+    for (auto below = chain.rbegin(); below != chain.rend(); ++below) by_group = by_group * scene_->nodes[*below].local;
+    return same_bits(by_group, world_[node]);
 }
 
 LightState SceneState::light_at(LightId light) const

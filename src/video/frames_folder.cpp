@@ -97,6 +97,7 @@ void FramesFolder::make_and_lock(bool shared)
         unlock();
         std::error_code error;
         made_ = fs::create_directory(folder_, error);
+        if (!error && made_) error.assign(io::sync_folder(folder_.parent_path()), std::generic_category());
         if (error) throw MissingError(fmt::format("cannot create {}: {}", folder_.string(), error.message()));
         lock_ = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
         if (lock_ < 0 && errno == ENOENT) continue;   // a run that finished its video has removed the folder

@@ -138,6 +138,9 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
     const io::OutputKind kind = io::output_kind(job.out);
     if (kind == io::OutputKind::video && renderer.options().background == BackgroundKind::transparent)
         throw UsageError("a video has no alpha: choose a background of one colour, or write numbered .png images");
+    if (!job.frames && kind != io::OutputKind::image && scene.frame_count() > k_most_frames_unasked)
+        throw UsageError(fmt::format("the clip has {} frames, which is more than {}: name those to render, --frames 1-{}",
+                                     scene.frame_count(), k_most_frames_unasked, k_most_frames_unasked));
     const FrameRange whole =
         job.frames.value_or(FrameRange{1, kind == io::OutputKind::image ? 1 : scene.frame_count()});
     check_job(scene, job, whole, kind);

@@ -84,6 +84,7 @@ TEST(HostileAff, ErrorsNameLineAndColumn)
              {"v from 0 0 0 at 0 0 1 up 0 1 0 angle 0 hither 1 resolution 8 8", "1:38"},
              {"v from 0 0 0 at 0 0 1 up 0 1 0 angle 40 hither 1 resolution 0 8", "1:61"},
              {"v from 0 0 0 at 0 0 1 up 0 1 0 angle 40 hither 1 resolution 8 1000000", "1:63"},
+             {"v from 0 0 0 at 0 0 1 up 0 1 0 angle 40 hither 1 resolution 16000 15000", "1:61"},
              {"v from 0 0 0 at 0 0 1 up 0 1 0 angle 40 hither 1 resolution 8.5 8", "1:61"},
              {"l 1 2", "1:6"},
              {"l 1 2 3 4 b 0 0 0", "1:11"},

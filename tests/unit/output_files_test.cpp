@@ -184,6 +184,27 @@ TEST(AtomicFile, ReplacesTheTargetOfALink)
     EXPECT_EQ(bytes_of(folder / "real"), "new");
 }
 
+TEST(AtomicFile, FollowsLinksToFilesThatDoNotExist)
+{
+    test::ScratchFolder folder;
+    fs::create_directory(folder / "below");
+    fs::create_symlink("below/next", folder / "link");
+    fs::create_symlink("../real", folder / "below/next");
+    io::AtomicFile file(folder / "link");
+    file.write("new");
+    file.commit();
+    EXPECT_TRUE(fs::is_symlink(folder / "link"));
+    EXPECT_TRUE(fs::is_symlink(folder / "below/next"));
+    EXPECT_EQ(bytes_of(folder / "real"), "new");
+
+    fs::create_symlink("b", folder / "a");
+    fs::create_symlink("a", folder / "b");
+    EXPECT_THROW(io::AtomicFile{folder / "a"}, MissingError);
+    fs::create_symlink("none/file", folder / "nowhere");
+    EXPECT_THROW(io::AtomicFile{folder / "nowhere"}, MissingError);
+    EXPECT_EQ(files_in(folder.path()), 6u);
+}
+
 TEST(AtomicFile, RefusesUnwritablePaths)
 {
     test::ScratchFolder folder;

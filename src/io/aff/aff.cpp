@@ -268,8 +268,13 @@ void Reader::statement_v(AffTokens& tokens)
     tokens.expect("hither");
     const double hither = tokens.number("a near distance");
     tokens.expect("resolution");
-    camera.resolution.width = static_cast<int>(tokens.integer("a width", 1, options_.max_resolution));
-    camera.resolution.height = static_cast<int>(tokens.integer("a height", 1, options_.max_resolution));
+    const AffToken width_token = tokens.peek();
+    const std::int64_t width = tokens.integer("a width", 1, options_.max_resolution);
+    const std::int64_t height = tokens.integer("a height", 1, options_.max_resolution);
+    if (width * height > options_.max_pixels)
+        tokens.fail(width_token,
+                    fmt::format("expected at most {} pixels, found {} x {}", options_.max_pixels, width, height));
+    camera.resolution = {static_cast<int>(width), static_cast<int>(height)};
     camera.vertical_fov = glm::radians(angle);
     camera.near = hither < k_least_near ? k_default_near : hither;
 

@@ -23,6 +23,32 @@ namespace {
     throw MissingError(fmt::format("cannot write {}: {}", file.string(), std::strerror(error)));
 }
 
+// The file that a chain of symbolic links names; it need not exist.
+fs::path followed(const fs::path& asked)
+{
+    constexpr int k_most_links = 40;   // as the kernel's
+    fs::path file = asked;
+    std::error_code error;
+    for (int links = 0; fs::is_symlink(fs::symlink_status(file, error)); ++links) {
+        if (links == k_most_links) fail(asked, ELOOP);
+        const fs::path next = fs::read_symlink(file, error);
+        if (error) fail(asked, error.value());
+        file = next.is_absolute() ? next : file.parent_path() / next;
+    }
+    return file;
+}
+
+// Writes a file or a folder from the system's memory to the disk. Returns 0 or the error.
+int sync(const fs::path& path, int flags)
+{
+    const int descriptor = ::open(path.empty() ? "." : path.c_str(), O_RDONLY | O_CLOEXEC | flags);
+    if (descriptor < 0) return errno;
+    int error = 0;
+    while (::fsync(descriptor) != 0 && (error = errno) == EINTR) error = 0;
+    ::close(descriptor);
+    return error == EINVAL || error == ENOTSUP ? 0 : error;   // of file systems that have nothing to sync
+}
+
 // Whether a file can be renamed from one folder to the other.
 bool on_one_disk(const fs::path& a, const fs::path& b)
 {
@@ -43,15 +69,14 @@ fs::path temporary_in(const fs::path& folder)
 AtomicFile::AtomicFile(const fs::path& target, const fs::path& folder) : asked_(target), target_(target)
 {
     if (target.filename().empty()) throw MissingError(fmt::format("cannot write '{}': no file name", target.string()));
-    // Resolve symbolic links: renaming would replace the link, not its target.
-    std::error_code error, ignored;
-    if (fs::is_symlink(target, ignored)) target_ = fs::weakly_canonical(target, error);
-    if (error) fail(asked_, error.value());
     // Reject devices and pipes, because renaming would replace them.
-    const fs::file_status status = fs::status(target_, ignored);
+    std::error_code ignored;
+    const fs::file_status status = fs::status(target, ignored);
     if (fs::is_directory(status)) fail(asked_, EISDIR);
     if (fs::exists(status) && !fs::is_regular_file(status))
         throw MissingError(fmt::format("cannot write {}: not an ordinary file", asked_.string()));
+    // Resolve symbolic links: renaming would replace the link, not its target.
+    target_ = followed(target);
 
     const bool elsewhere = !folder.empty() && on_one_disk(folder, target_.parent_path());
     do {
@@ -84,8 +109,17 @@ void AtomicFile::commit()
     const int descriptor = descriptor_;
     descriptor_ = -1;
     if (::close(descriptor) != 0 && errno != EINTR) fail(asked_, errno);
+    // Sync the contents before the name, and by name: a program that wrote to the file may have replaced it.
+    if (const int error = sync(temporary_, 0)) fail(asked_, error);
     if (std::rename(temporary_.c_str(), target_.c_str()) != 0) fail(asked_, errno);
     committed_ = true;
+    if (const int error = sync_folder(target_.parent_path())) fail(asked_, error);
+}
+
+int sync_folder(const fs::path& folder)
+{
+    const int error = sync(folder, O_DIRECTORY);
+    return error == EACCES ? 0 : error;   // a folder that may be written, but not read
 }
 
 }   // namespace gnomon::io

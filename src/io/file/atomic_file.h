@@ -2,8 +2,8 @@
 #pragma once
 // Writes a file atomically: under a temporary name in the target's folder, which is then renamed.
 //
-// Errors of write and close are reported, which is where file systems report a full disk. There is no fsync: after a
-// power failure a file may be empty, so readers that need certainty must validate it (see is_whole_png).
+// Errors of write and close are reported, which is where file systems report a full disk. A committed file is on the
+// disk, and so is its name: it survives a loss of power.
 
 #include <cstddef>
 #include <filesystem>
@@ -31,7 +31,8 @@ class AtomicFile {
     /// For programs that write to a file by name; they may replace it.
     const std::filesystem::path& temporary() const { return temporary_; }
 
-    /// Renames the temporary file to its final name. Nothing may be written afterwards.
+    /// Renames the temporary file to its final name, and waits until both are on the disk. Nothing may be written
+    /// afterwards.
     /// @throws MissingError
     void commit();
 
@@ -42,6 +43,10 @@ class AtomicFile {
     int descriptor_ = -1;
     bool committed_ = false;
 };
+
+/// Waits until the names of a folder's files are on the disk. An empty path is the current folder.
+/// @return 0, or the number of the error
+int sync_folder(const std::filesystem::path& folder);
 
 /// The prefix of all temporary names.
 inline constexpr std::string_view k_temporary_prefix = ".gnomon-";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Constructs a RayScene: distributes the triangles among the static scene and the solids of the dynamic scene.
 #include <algorithm>
+#include <unordered_map>
 
 #include "base/interruption.h"
 #include "ray/embree/impl.h"
@@ -14,6 +15,31 @@ namespace {
 // and instanced. Below these limits, flattened copies trace faster than instances.
 constexpr std::size_t k_instancing_copies = 8;
 constexpr std::size_t k_instancing_triangles = 1u << 20;
+
+// The matrices that take the nodes of a rigid group to the space of its anchor. Each is multiplied once, however long
+// the chains are.
+class ToAnchor {
+ public:
+    ToAnchor(const std::vector<scene::Node>& nodes, scene::NodeId anchor) : nodes_(nodes)
+    {
+        known_.emplace(anchor, glm::dmat4(1));
+    }
+
+    const glm::dmat4& of(scene::NodeId node)
+    {
+        chain_.clear();
+        for (; !known_.contains(node); node = nodes_[node].parent) chain_.push_back(node);
+        const glm::dmat4* matrix = &known_.at(node);
+        for (auto below = chain_.rbegin(); below != chain_.rend(); ++below)
+            matrix = &known_.emplace(*below, *matrix * nodes_[*below].local).first->second;
+        return *matrix;
+    }
+
+ private:
+    const std::vector<scene::Node>& nodes_;
+    std::unordered_map<scene::NodeId, glm::dmat4> known_;
+    std::vector<scene::NodeId> chain_;
+};
 
 }   // namespace
 
@@ -254,11 +280,10 @@ void RayScene::Impl::add_group(const scene::SceneState& state, scene::GroupId g)
     Solid& solid = solids[solid_of_group[g]];
     solid.anchor = group.anchor;
     solid.tree = new_scene(RTC_BUILD_QUALITY_MEDIUM, RTC_SCENE_FLAG_NONE);
+    ToAnchor to_anchor(scene->nodes, group.anchor);
     for (const scene::ObjectId o : group.objects) {
         if (state.group_of(o) != g) continue;
-        glm::dmat4 relative(1);
-        for (scene::NodeId n = scene->objects[o].node; n != group.anchor; n = scene->nodes[n].parent)
-            relative = scene->nodes[n].local * relative;
+        const glm::dmat4& relative = to_anchor.of(scene->objects[o].node);
         const scene::Mesh& mesh = scene->meshes[scene->objects[o].mesh];
         BakedVertices& vertices = solid.vertices.emplace_back();
         bake(vertices, mesh, relative);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <unordered_set>
 
 #include "base/interruption.h"
 
@@ -10,6 +12,7 @@ namespace gnomon::scene {
 
 namespace {
 
+constexpr double k_looked_up = 64;       // pixels of a box around a triangle above which it is compared with others
 constexpr float k_see_through = 0.02f;   // alpha below which a blended surface does not count
 
 struct Surface {
@@ -49,6 +52,8 @@ class Painter {
             at[i] = 0.5 * side + scale_ * glm::dvec2(p[i].x, -p[i].y) / -p[i].z;
             low = glm::min(low, at[i]), high = glm::max(high, at[i]);
         }
+        // A surface that lies exactly on one that was drawn changes no pixel. Small ones are drawn faster than found.
+        if ((high.x - low.x) * (high.y - low.y) > k_looked_up && !drawn_.insert({p, surface.seen}).second) return;
         const double area = (at[1].x - at[0].x) * (at[2].y - at[0].y) - (at[1].y - at[0].y) * (at[2].x - at[0].x);
         if (area == 0 || !std::isfinite(area)) return;
         const auto first = [](double v) { return static_cast<int>(std::ceil(std::max(v, 0.0) - 0.5)); };
@@ -90,8 +95,24 @@ class Painter {
                          v * (surface.corner[2] - surface.corner[0]);
     }
 
+    struct Drawn {
+        std::array<glm::dvec3, 3> p;
+        bool seen = false;
+        bool operator==(const Drawn&) const = default;
+    };
+    struct HashOfDrawn {
+        std::size_t operator()(const Drawn& drawn) const
+        {
+            std::size_t hash = drawn.seen;
+            for (const glm::dvec3& corner : drawn.p)
+                for (int c = 0; c < 3; ++c) hash = hash * 0x9e3779b97f4a7c15u ^ std::hash<double>()(corner[c]) >> 7;
+            return hash;
+        }
+    };
+
     TestImage& image_;
     double scale_, near_;
+    std::unordered_set<Drawn, HashOfDrawn> drawn_;
 };
 
 }   // namespace
