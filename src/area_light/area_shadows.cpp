@@ -39,10 +39,7 @@ glm::dvec3 centre_before(const AreaShaft& shaft, const glm::dvec3 (&corner)[3])
 }   // namespace
 
 AreaShadows::AreaShadows(const StaticTriangles& triangles, const FlatLight& light, const AreaOptions& options)
-    : PartTree(triangles, options.most_levels),
-      places_(light),
-      options_(options),
-      diameter_(diameter_of(light.outline))
+    : PartTree(triangles, options.most_levels), places_(light), options_(options), diameter_(diameter_of(light.outline))
 {
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Remembered shadows of a cluster of emitting polygons that rests (a sphere's side, the leaves of a light tree), for parts
-// of static triangles:
+// Remembered shadows of a cluster of emitting polygons that rests (a sphere's side, the leaves of a light tree), for
+// parts of static triangles:
 //
 //   unlit     the cluster lies behind the part
 //   lit       no static triangle meets the shaft from the part to the box around the cluster, but for those that lie
@@ -28,8 +28,8 @@ struct Cluster {
 
 /// The checks that the proofs rest on, one by one, so that tests can leave one out and see the errors.
 enum class ClusterCheck : std::uint8_t {
-    none,              // all are made
-    behind_all,        // a triangle is left out only if it lies behind all faces, not just one
+    none,         // all are made
+    behind_all,   // a triangle is left out only if it lies behind all faces, not just one
     clear_of_part,
     clear_of_cluster,
     no_open_edge,
@@ -39,8 +39,8 @@ enum class ClusterCheck : std::uint8_t {
 class ClusterShadows final : public PartTree {
  public:
     /// @param triangles  kept by reference
-    ClusterShadows(const visibility::StaticTriangles& triangles, const Cluster& cluster, const AreaOptions& options = {},
-                   ClusterCheck left_out = ClusterCheck::none);
+    ClusterShadows(const visibility::StaticTriangles& triangles, const Cluster& cluster,
+                   const AreaOptions& options = {}, ClusterCheck left_out = ClusterCheck::none);
 
     const Box3& box() const { return box_; }
 

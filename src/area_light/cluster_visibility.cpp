@@ -10,9 +10,8 @@ namespace {
 
 bool same(const Cluster& a, const Cluster& b)
 {
-    return a.two_sided == b.two_sided && std::ranges::equal(a.faces, b.faces, [](const auto& x, const auto& y) {
-               return same_bits(x, y);
-           });
+    return a.two_sided == b.two_sided &&
+           std::ranges::equal(a.faces, b.faces, [](const auto& x, const auto& y) { return same_bits(x, y); });
 }
 
 }   // namespace

@@ -31,9 +31,9 @@ class ClusterVisibility {
     void follow();
 
     enum class Answer : std::uint8_t {
-        dark,         // nothing of it is visible
-        lit,          // all of it that faces the point is
-        lit_at_rest,  // static objects hide nothing of it, dynamic ones may
+        dark,          // nothing of it is visible
+        lit,           // all of it that faces the point is
+        lit_at_rest,   // static objects hide nothing of it, dynamic ones may
         unknown,
     };
     /// Scratch memory of one thread.

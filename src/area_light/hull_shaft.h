@@ -43,7 +43,7 @@ class HullShaft {
     double margin_for(double coordinate) const { return rules_.margin / k_lift * lift_for(coordinate); }
 
  protected:
-    static constexpr std::size_t k_most_corners = 3 + 8;        // of piece and light
+    static constexpr std::size_t k_most_corners = 3 + 8;           // of piece and light
     static constexpr std::size_t k_most_planes = 1 + 3 + 12 + 6;   // base, edges of piece and light, faces of the light
 
     /// @param corner  of the piece

@@ -121,8 +121,8 @@ Part PartTree::part_at(TriangleId triangle, bool front, float u, float v, LastPa
 // Judges a part that is unknown, unless another thread has just done so.
 // @param node  null: the whole triangle's, which is made
 PartTree::Node* PartTree::judge_node(std::size_t record, Node* node, TriangleId triangle, bool front,
-                                           const MicroTriangle& part, std::uint32_t level,
-                                           const std::vector<TriangleId>* from)
+                                     const MicroTriangle& part, std::uint32_t level,
+                                     const std::vector<TriangleId>* from)
 {
     // Several threads may judge the same part: all with the same result, of which one is kept.
     Verdict verdict = judge(triangle, front, part, level, from);

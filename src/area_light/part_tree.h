@@ -84,7 +84,8 @@ class PartTree {
     struct Verdict {
         bool divides = false;
         PartState state = PartState::open;
-        std::vector<visibility::TriangleId> list;   // of a listed part; of a divided one, all that its quarters may meet
+        std::vector<visibility::TriangleId>
+            list;   // of a listed part; of a divided one, all that its quarters may meet
     };
     /// Judges one part, from the geometry alone.
     /// @param from  triangles that contain all that may matter to it; null: all static triangles

@@ -36,9 +36,9 @@ class ProvenVisibility final : public SizedVisibility {
     const scene::SizedLights* lights_ = nullptr;
     const scene::SceneState* state_ = nullptr;   // of the frame
     const ray::RayScene* rays_ = nullptr;
-    std::uint32_t version_ = 0;                    // of the lights
-    std::vector<std::uint32_t> planar_;            // by light: index among the planar ones; k_none: a cluster
-    std::vector<std::uint32_t> cluster_;           // by light: index among the clusters that rest; k_none: another
+    std::uint32_t version_ = 0;            // of the lights
+    std::vector<std::uint32_t> planar_;    // by light: index among the planar ones; k_none: a cluster
+    std::vector<std::uint32_t> cluster_;   // by light: index among the clusters that rest; k_none: another
     std::vector<area_light::AreaLight> planar_lights_;
     std::vector<area_light::CellPlaces> places_;   // by planar light
     area_light::VisibilityCounters counters_;

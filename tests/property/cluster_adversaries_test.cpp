@@ -86,8 +86,9 @@ TEST(ClusterAdversaries, NoSegmentContradictsAProof)
 
 TEST(ClusterAdversaries, EachCheckIsNeeded)
 {
-    for (const ClusterCheck check : {ClusterCheck::behind_all, ClusterCheck::clear_of_part,
-                                     ClusterCheck::clear_of_cluster, ClusterCheck::no_open_edge, ClusterCheck::crosses}) {
+    for (const ClusterCheck check :
+         {ClusterCheck::behind_all, ClusterCheck::clear_of_part, ClusterCheck::clear_of_cluster,
+          ClusterCheck::no_open_edge, ClusterCheck::crosses}) {
         Count count;
         for (std::uint64_t seed = 1; seed <= 2000 && count.wrong == 0; ++seed) attack(seed, 60, count, check);
         EXPECT_GT(count.wrong, 0u) << "check " << static_cast<int>(check);

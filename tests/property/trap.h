@@ -135,7 +135,8 @@ class Trap {
                         {3, 7, 5}});
     }
 
-    // An octahedron around the light, some of its corners dented, in the scene. The cluster has all of its faces or some.
+    // An octahedron around the light, some of its corners dented, in the scene. The cluster has all of its faces or
+    // some.
     void make_solid()
     {
         const glm::vec3 centre = at_ + 0.5f * (u_ + v_), w = 0.5f * glm::length(u_) * light_.normal;
