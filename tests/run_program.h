@@ -60,7 +60,7 @@ class RunningProgram {
     {
         const std::string out = standard_output.empty() ? folder_ / "out" : std::filesystem::path(standard_output);
         const std::string err = folder_ / "err";
-        std::vector<std::string> words{GNOMON_PROGRAM};
+        std::vector<std::string> words{places::program};
         words.insert(words.end(), arguments.begin(), arguments.end());
         std::vector<char*> argv;
         for (std::string& word : words) argv.push_back(word.data());

@@ -9,13 +9,15 @@
 #include <optional>
 #include <string>
 
+#include "places.h"
+
 namespace gnomon::test {
 
 /// The folder of real scenes: GNOMON_SCENES from the environment, else the default of the build.
 inline std::filesystem::path scenes()
 {
     const char* env = std::getenv("GNOMON_SCENES");
-    return env && *env ? env : GNOMON_SCENES_DEFAULT;
+    return env && *env ? env : places::scenes;
 }
 
 /// A new folder that is removed with the object.

@@ -87,7 +87,7 @@ TEST(Limits, AskWhichFramesOfALongClip)
 TEST(Limits, NamesInMessagesAreOneLine)
 {
     const ScratchFolder folder;
-    expect_failure(run({"render", "builtin:cornell", "--quiet", "-o", folder / "\x1b[2J\n\x9b/a.png"}), 4, "?[2J??/a.png");
+    expect_failure(run({"render", "builtin:cornell", "--quiet", "-o", folder / "\x1b[2J\n\x9b/a.png"}), 4, "?[2J?" "?/a.png");
     expect_failure(run({"render", "builtin:cornell", "--quiet", "-o", "\x1b[2J\n\x9b.\n"}), 2, "?[2J??.?");
     const Outcome written = run({"render", "builtin:cornell", "--size", "8x8", "-o", folder / "\x1b[2J\n.png"});
     EXPECT_EQ(written.code, 0) << written.err;

@@ -29,7 +29,7 @@ class LossOfPower : public testing::Test {
 // Power fails at a rename, counted from 1, or when the program ends.
 Environment losing_power(int at = 0)
 {
-    Environment environment{{"LD_PRELOAD", GNOMON_LOSING_POWER}};
+    Environment environment{{"LD_PRELOAD", places::losing_power}};
     if (at > 0) environment["GNOMON_POWER_FAILS_AT"] = std::to_string(at);
     return environment;
 }

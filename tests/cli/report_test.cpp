@@ -25,7 +25,7 @@ nlohmann::json look_at(const std::filesystem::path& page)
 {
     const ScratchFolder folder;
     const std::string out = folder / "out", err = folder / "err";
-    const std::string command = "PYTHONDONTWRITEBYTECODE=1 timeout 240 python3 " + std::string(GNOMON_SOURCE_DIR) +
+    const std::string command = "PYTHONDONTWRITEBYTECODE=1 timeout 240 python3 " + places::source_folder +
                                 "/tests/cli/look_at_page.py '" + page.string() + "' >'" + out + "' 2>'" + err + "'";
     EXPECT_EQ(std::system(command.c_str()), 0) << bytes_of(err);
     return nlohmann::json::parse(bytes_of(out), nullptr, false);

@@ -31,8 +31,8 @@ Seen drive(const ScratchFolder& folder, const std::string& scene, const std::str
 {
     std::ofstream(folder / "steps") << steps;
     const std::string at = std::filesystem::path(folder / "").string();
-    const std::string command = std::string(GNOMON_SOURCE_DIR) + "/tests/cli/drive_window.sh '" + at +
-                                "' " GNOMON_PROGRAM " view '" + scene + "' --size " + size + " --json=seen.json " +
+    const std::string command = places::source_folder + "/tests/cli/drive_window.sh '" + at + "' " +
+                                places::program + " view '" + scene + "' --size " + size + " --json=seen.json " +
                                 more + " < '" + at + "/steps' > /dev/null 2> '" + at + "/err'";
     const int status = std::system(command.c_str());
     Seen seen{WIFEXITED(status) ? WEXITSTATUS(status) : -1, {}, bytes_of(folder / "err")};

@@ -96,7 +96,7 @@ TEST(GltfValidatorFiles, InvalidAreRefusedAndValidLoad)
 
     // The codes on which the importer relies are listed in a file with their meaning, so that none is skipped because
     // the name of a family changed.
-    std::ifstream list(std::string(GNOMON_SOURCE_DIR) + "/tests/hostile/gltf_codes.txt");
+    std::ifstream list(test::places::source_folder + "/tests/hostile/gltf_codes.txt");
     std::set<std::string> listed;
     for (std::string line; std::getline(list, line);)
         if (!line.empty() && line[0] != '#') listed.insert(line.substr(0, line.find(' ')));

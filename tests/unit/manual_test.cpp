@@ -48,7 +48,7 @@ TEST(Manual, OptionsOfAGroupAreContiguous)
 TEST(Manual, OptionsPageOfTheGuideIsUpToDate)
 {
     std::ostringstream page;
-    page << std::ifstream(std::string(GNOMON_SOURCE_DIR) + "/docs/guide/options.md").rdbuf();
+    page << std::ifstream(test::places::source_folder + "/docs/guide/options.md").rdbuf();
     EXPECT_EQ(page.str(), options_page()) << "build gnomon_documents, and let it write options.md";
 }
 
