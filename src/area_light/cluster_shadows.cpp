@@ -13,6 +13,9 @@ using visibility::StaticTriangle;
 using visibility::StaticTriangles;
 using visibility::TriangleId;
 
+// How far around the cluster its own solid may reach, in diagonals of its box.
+constexpr float k_around = 2;
+
 Box3 box_of(const Cluster& cluster)
 {
     Box3 box;
@@ -47,8 +50,12 @@ void ClusterShadows::find_behind(const Cluster& cluster)
 {
     std::vector<visibility::Plane> planes;
     for (const LightPolygon& face : cluster.faces) planes.push_back(plane_of(face));
-    const glm::vec3 around(0.5f * box_.diagonal());
-    const double rounding = 1e-12 * (bounds_.diagonal() + glm::length(bounds_.low));
+    const glm::vec3 around(k_around * box_.diagonal());
+    // Corners of faces may be rounded otherwise than those of the triangles that rays meet. What rises by so little
+    // hides places that are seen edge-on at most.
+    constexpr double k_rounding = 3e-7;
+    const glm::dvec3 reach = glm::max(glm::abs(bounds_.low), glm::abs(bounds_.high));
+    const double rounding = k_rounding * std::max({reach.x, reach.y, reach.z});
     const auto behind = [&](const StaticTriangle& t, const visibility::Plane& plane) {
         return std::ranges::all_of(t.p, [&](const glm::vec3& p) { return plane.at(glm::dvec3(p)) <= rounding; });
     };

@@ -54,7 +54,9 @@ void attack(std::uint64_t seed, int parts, Count& count, ClusterCheck left_out =
         const LightPolygon& face = cluster.faces[random.below(static_cast<std::uint32_t>(cluster.faces.size()))];
         for (const glm::vec3& from : places_on(corner, 3, random))
             for (const glm::vec3& to : places_on(face.corner.data(), face.corners, random)) {
-                const glm::vec3 way = to - from;
+                // A place in single precision may lie behind its own face, which then hides it from a point beside it.
+                constexpr float k_rounding = 4e-6f;
+                const glm::vec3 way = to + k_rounding * face.normal - from;
                 constexpr float k_clear = 1e-4f;   // what is seen edge-on may lie on either side
                 if (!(glm::dot(way, normal) > k_clear * glm::length(way)) ||
                     !(glm::dot(way, face.normal) < -k_clear * glm::length(way)))
