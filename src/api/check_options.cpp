@@ -86,9 +86,8 @@ void check_options(const RenderOptions& o)
     check_known("the background", o.background, BackgroundKind::color);
     for (const float channel : o.background_color)
         if (!(channel >= 0 && channel <= 1)) throw UsageError("the background's colour is out of range: 0 to 1");
-    if (o.background != BackgroundKind::environment &&
-        (o.renderer == RenderMethod::raster || o.overlay != Overlay::none))
-        throw UsageError("another background than the environment needs a traced frame without an overlay");
+    if (o.background != BackgroundKind::environment && o.overlay != Overlay::none)
+        throw UsageError("another background than the environment needs a frame without an overlay");
     if (o.cluster_shadows && (o.renderer == RenderMethod::raster || o.indirect != Indirect::quadtree))
         throw UsageError("shadows of clusters are traced: they need the traced frame, with indirect light by quadtree");
     if (o.separate_trees && (o.renderer == RenderMethod::raster || o.indirect != Indirect::quadtree))

@@ -87,7 +87,7 @@ auto map_key(const RenderOptions& o)
 
 auto raster_key(const RenderOptions& o)
 {
-    return std::tuple(o.samples, o.layers, o.shadow_textures, o.shadow_filter, o.as_printed, o.overlay, o.indirect_on,
+    return std::tuple(o.samples, o.layers, o.background != BackgroundKind::environment, o.shadow_textures, o.shadow_filter, o.as_printed, o.overlay, o.indirect_on,
                       cache_key(o), map_key(o));
 }
 
@@ -324,6 +324,7 @@ void FrameEngine::fit_rasterizer(const RenderOptions& options)
     raster_.reset();   // first, because a device may have memory for one of them alone
     raster_ = make_rasterizer(*state_, {.samples = options.samples,
                                         .layers = options.layers,
+                                        .backdrop_apart = options.background != BackgroundKind::environment,
                                         .shadows = options.shadow_textures,
                                         .as_printed = options.as_printed,
                                         .shadow_filter = static_cast<float>(options.shadow_filter),

@@ -33,6 +33,7 @@ class VulkanRasterizer final : public Rasterizer {
     {
         options_.samples = settings.samples;
         options_.layers = settings.layers;
+        options_.backdrop_apart = settings.backdrop_apart;
         if (settings.redrawn) options_.ids = &ids_;
         redrawn_stays_ = settings.redrawn_stays;
         if (settings.indirect == Indirect::visible) {

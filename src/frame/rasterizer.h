@@ -17,6 +17,7 @@ namespace gnomon::frame {
 struct RasterSettings {
     int samples = 1;
     bool layers = false;
+    bool backdrop_apart = false;   // as RasterOptions::backdrop_apart
     ShadowTextures shadows = ShadowTextures::items;
     bool as_printed = false;   // as RenderOptions::as_printed
     float shadow_filter = 1;   // texels; 0: hard

@@ -107,6 +107,7 @@ shared::GpuLight convert(const scene::Light& light, const scene::LightState& sta
     g.constant_falloff = light.falloff == scene::Falloff::constant ? 1 : 0;
     g.cosine_profile = light.profile == scene::SpotProfile::cosine ? 1 : 0;
     g.of_environment = light.of_environment ? 1 : 0;
+    g.of_surface = light.of_surface ? 1 : 0;
     return g;
 }
 

@@ -106,6 +106,7 @@ struct GpuLight {
     uint constant_falloff;   // else inverse square
     uint cosine_profile;     // else smooth
     uint of_environment;
+    uint of_surface;
 };
 
 /// VkDrawIndexedIndirectCommand.
@@ -143,7 +144,7 @@ GNOMON_MEMBERS(GpuLayers, specular_color, specular, sheen_color, sheen_roughness
                iridescence_thickness_texture, transmission_texture, thickness_texture)
 GNOMON_MEMBERS(GpuTexture, width, height, levels, wrap_u, wrap_v, magnify, minify, first)
 GNOMON_MEMBERS(GpuLight, color, type, position, range, direction, shown, cos_inner, cos_outer, constant_falloff,
-               cosine_profile, of_environment)
+               cosine_profile, of_environment, of_surface)
 GNOMON_MEMBERS(GpuDrawCommand, index_count, instance_count, first_index, vertex_offset, first_instance)
 GNOMON_MEMBERS(CullCounts, drawn, triangles)
 GNOMON_MEMBERS(CullPush, planes, draws, classes)

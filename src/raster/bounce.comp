@@ -8,6 +8,7 @@
 #include "gpu_scene/gpu_scene_shared.h"
 #include "raster/mirror.glsl"
 #include "raster/raster_shared.h"
+#include "raster/weighted.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 0, scalar) readonly buffer Frame
@@ -34,10 +35,10 @@ void main()
 {
     const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
     if (at.x >= int(frame.width) || at.y >= int(frame.height)) return;
-    const vec3 part = texelFetch(share, at, 0).xyz;
+    const vec4 part = texelFetch(share, at, 0);
     const vec4 diffuse = texelFetch(g_diffuse, at, 0);
     const uint model = uint(diffuse.w);
-    if (part == vec3(0) || diffuse.xyz == vec3(0) || model == GNOMON_MODEL_UNLIT) return;
+    if (part == vec4(0) || diffuse.xyz == vec3(0) || model == GNOMON_MODEL_UNLIT) return;
     const float coverage = texelFetch(g_geometric, at, 0).w;
     vec3 radiance = diffuse.xyz * (coverage / k_pi) * texelFetch(irradiance, at, 0).xyz;
     if (model == GNOMON_MODEL_METALLIC_ROUGHNESS) {
@@ -53,6 +54,6 @@ void main()
             mirrored = rough_fresnel(specular.xyz, normal.w, cosine) * traced_part(normal.w);
         radiance *= max(vec3(1) - coverage * mirrored, vec3(0));
     }
-    imageStore(color, at, imageLoad(color, at) + vec4(part * radiance, 0));
-    if (push.layers != 0) imageStore(indirect, at, imageLoad(indirect, at) + vec4(part * radiance, 0));
+    imageStore(color, at, imageLoad(color, at) + weighted(part, radiance));
+    if (push.layers != 0) imageStore(indirect, at, imageLoad(indirect, at) + weighted(part, radiance));
 }

@@ -28,6 +28,14 @@ void store(const vk::Buffer& from, Size size, ImageF& to, float scale, bool add)
             to.data[3 * i + c] = (add ? to.data[3 * i + c] : 0) + scale * wide[4 * i + c];
 }
 
+// Stores what is left of each pixel beside what is seen of the backdrop, the fourth channel.
+void store_alpha(const vk::Buffer& from, Size size, ImageF& to)
+{
+    resize(to, size, 1);
+    const std::span<const float> wide = from.as<float>();
+    for (std::size_t i = 0; i < to.data.size(); ++i) to.data[i] = 1 - std::clamp(wide[4 * i + 3], 0.0f, 1.0f);
+}
+
 }   // namespace
 
 RasterFrame::RasterFrame(const scene::SceneState& state) : RasterFrame(vk::Device::open(), state) {}
@@ -164,7 +172,8 @@ void RasterFrame::begin_frame(const scene::SceneState& state, const scene::View&
         unlimited_far_ = view.near + std::max(1.0f, bounds.diagonal() + glm::length(bounds.centre() - view.eye));
     }
     const shared::RasterFrame constants =
-        frame_constants(*described_, view, !bounced_, !(bounced_ && bounced_->has_further_bounces()));
+        frame_constants(*described_, view, !bounced_, !(bounced_ && bounced_->has_further_bounces()),
+                        options.backdrop_apart);
     const vk::Upload upload = vk::upload_of(frame_, std::span<const shared::RasterFrame>(&constants, 1));
     commands_.upload("send view", {&upload, 1});
     if (bounced_) bounced_->update(commands_, scene_, state);
@@ -243,6 +252,7 @@ void RasterFrame::store_sample(const Drawn& drawn, const RasterOptions& options,
         for (std::size_t i = 0; i < out.depth.data.size(); ++i) out.depth.data[i] = at[4 * i + 3];
     }
     if (drawn.color) store(drawn.color, size_, out.color, 1, false);
+    if (drawn.color && options.backdrop_apart) store_alpha(drawn.color, size_, out.alpha);
     if (drawn.direct) store(drawn.direct, size_, out.direct, 1, false);
     if (drawn.indirect) store(drawn.indirect, size_, out.indirect, 1, false);
     if (drawn.lit) {

@@ -36,6 +36,7 @@ using IdImage = Image<std::uint32_t>;
 struct RasterOptions {
     int samples = 1;                 // per pixel
     bool layers = false;             // fill all of shading::FrameBuffers, not `color` alone
+    bool backdrop_apart = false;     // leave out what is seen straight behind the scene, and fill `alpha`
     int transparent_layers = 4;      // transparent surfaces in a row; light from behind them is lost
     std::uint32_t light_batch = 8;   // lights whose shadows are held at once
     IdImage* ids = nullptr;          // optional: filled by the first sample

@@ -72,7 +72,9 @@ void RasterFrame::make_pipelines()
                              .code = {"resolve.comp", k_resolve_comp},
                              .blocks = vk::all_blocks(
                                  vk::shared_push<ResolvePush>(), gpu_scene::scene_data_blocks(),
-                                 std::vector{vk::shared_block<gpu_scene::shared::GpuLayers>("layers")}, frame_block)});
+                                 std::vector{vk::shared_block<gpu_scene::shared::GpuLayers>("layers"),
+                                             vk::shared_block<gpu_scene::shared::GpuLight>("lights")},
+                                 frame_block)});
     shade_ = vk::Pipeline(
         device_,
         ComputeDesc{.name = "lights",
@@ -167,6 +169,7 @@ void RasterFrame::resolve(const ResolvePush& push)
         .binds("draws", scene_.draws)
         .binds("materials", scene_.materials)
         .binds("layers", scene_.layers)
+        .binds("lights", scene_.lights)
         .binds("textures", scene_.textures)
         .binds_texels("texels", scene_.texels, gpu_scene::GpuScene::k_texel_format)
         .binds("texcoords", scene_.texcoords)

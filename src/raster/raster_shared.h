@@ -23,7 +23,10 @@ struct RasterFrame {
     uint stand_in;     // ambient light stands in for indirect light
     vec3 background_color, zenith, horizon, ground, sun_direction, sun_radiance;
     vec3 ambient;
-    vec3 open_irradiance;   // of a level surface without objects; 0: surfaces that catch shadows are ordinary ones
+    vec3 open_sky;         // irradiance of a level surface by a sky, without objects
+    uint catches;          // surfaces that catch shadows show what is behind them; else they are ordinary ones
+    uint backdrop_apart;   // what is seen straight behind the scene is counted, not shown
+    uint lights;
     uint environment_width, environment_height;
     vec3 harmonics[9];
 };
@@ -65,7 +68,7 @@ struct BouncePush {
 #ifdef __cplusplus
 GNOMON_MEMBERS(RasterFrame, eye, orthographic, right, width, up, height, forward, shift, pixel_spread, pixel_width,
                background, stand_in, background_color, zenith, horizon, ground, sun_direction, sun_radiance, ambient,
-               open_irradiance, environment_width, environment_height, harmonics)
+               open_sky, catches, backdrop_apart, lights, environment_width, environment_height, harmonics)
 GNOMON_MEMBERS(DrawPush, clip_from_offset, eye)
 GNOMON_MEMBERS(ResolvePush, sample_offset, weight, first, peeled, last)
 GNOMON_MEMBERS(ShadePush, first_light, light_count, shadowed, colors, layers, first_lit, lit_count, lit_pixels)

@@ -55,23 +55,8 @@ shared::DrawPush draw_push(const scene::View& view, const glm::vec2& sample, flo
     return push;
 }
 
-// The irradiance of a level surface by what lies beyond the scene, as rasterised frames light by it. 0 before one
-// colour.
-static glm::vec3 open_irradiance(const scene::Scene& scene)
-{
-    glm::vec3 sum(0);
-    if (scene.background.kind == scene::Background::Kind::color) return sum;
-    if (scene.background.kind == scene::Background::Kind::sky)
-        sum += static_cast<float>(k_pi) * scene.background.ambient({0, 1, 0});
-    for (const scene::Light& light : scene.lights) {
-        if (light.type != scene::LightType::directional) continue;
-        const glm::dvec3 back(scene.world_matrix(light.node, scene.timeline.start)[2]);
-        sum += light.color * static_cast<float>(std::max(0.0, glm::normalize(back).y));
-    }
-    return sum;
-}
-
-shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View& view, bool stand_in, bool further)
+shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View& view, bool stand_in, bool further,
+                                    bool backdrop_apart)
 {
     const scene::Background& background = scene.background;
     shared::RasterFrame f{};
@@ -90,7 +75,11 @@ shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View
     f.sun_direction = background.sun_direction, f.sun_radiance = background.sun_radiance;
     f.ambient = scene.ambient;
     f.stand_in = stand_in ? 1 : 0;
-    f.open_irradiance = open_irradiance(scene);
+    if (background.kind == scene::Background::Kind::sky)
+        f.open_sky = static_cast<float>(k_pi) * background.ambient({0, 1, 0});
+    f.catches = backdrop_apart || background.kind != scene::Background::Kind::color ? 1 : 0;
+    f.backdrop_apart = backdrop_apart ? 1 : 0;
+    f.lights = static_cast<std::uint32_t>(scene.lights.size());
     if (background.kind == scene::Background::Kind::image) {
         f.environment_width = static_cast<std::uint32_t>(background.environment->image().width);
         f.environment_height = static_cast<std::uint32_t>(background.environment->image().height);

@@ -19,6 +19,8 @@ shared::DrawPush draw_push(const scene::View& view, const glm::vec2& sample, flo
 
 /// @param stand_in  ambient light stands in for bounced light
 /// @param further   a sky's own colour stands in for light of further bounces
-shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View& view, bool stand_in, bool further);
+/// @param backdrop_apart  as RasterOptions::backdrop_apart
+shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View& view, bool stand_in, bool further,
+                                    bool backdrop_apart);
 
 }   // namespace gnomon::raster

@@ -16,7 +16,9 @@
 #define GNOMON_TEXCOORDS 5
 #define GNOMON_COLORS 6
 #include "gpu_scene/scene_data.glsl"
+#include "gpu_scene/light.glsl"
 #include "raster/raster_shared.h"
+#include "raster/weighted.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 7, scalar) readonly buffer Positions { float at[]; } positions;
@@ -28,7 +30,7 @@ layout(binding = 11) uniform samplerBuffer environment;
 layout(binding = 12) uniform utexture2D opaque_ids;
 layout(binding = 13) uniform utexture2D peeled_ids;
 layout(binding = 14, rgba32f) uniform image2D color;
-layout(binding = 15, rgba32f) uniform image2D through;
+layout(binding = 15, rgba32f) uniform image2D through;                 // w: the part that goes straight on
 layout(binding = 16, rgba32f) uniform writeonly image2D share;
 layout(binding = 17, rgba32f) uniform writeonly image2D g_position;    // w: depth along the view; 0: nothing
 layout(binding = 18, rgba32f) uniform writeonly image2D g_normal;      // w: roughness, or Phong's exponent
@@ -38,6 +40,7 @@ layout(binding = 20, rgba32f) uniform writeonly image2D g_diffuse;     // w: sha
 layout(binding = 21, rgba32f) uniform writeonly image2D g_specular;    // w: index behind over before, of what refracts; else 0
 layout(binding = 22, rg32ui) uniform writeonly uimage2D g_ids;         // object + 1 (0: nothing), triangle of the mesh
 layout(binding = 23, scalar) readonly buffer Layers { GpuLayers at[]; } layers;
+layout(binding = 26, scalar) readonly buffer Lights { GpuLight at[]; } lights;
 layout(push_constant, scalar) uniform Push { ResolvePush push; };
 
 #include "raster/background.glsl"
@@ -82,6 +85,31 @@ vec3 passes(Surface s)
     return result;
 }
 
+// The irradiance of a surface if nothing hid a light from it (TileTracer::open_irradiance). Emissive surfaces are objects.
+vec3 open_irradiance(Surface s)
+{
+    vec3 sum = frame.open_sky;
+    for (uint l = 0; l < frame.lights; ++l) {
+        const GpuLight light = lights.at[l];
+        vec3 to_light, irradiance;
+        if (light.of_surface != 0 || !illuminate(light, s.position, to_light, irradiance)) continue;
+        sum += irradiance * max(0, dot(s.normal, to_light));
+    }
+    return sum;
+}
+
+// Lets a surface that catches shadows show what is behind it where nothing keeps light from it (show_behind in
+// tile_tracer.cpp). Returns its radiance where it needs no light for that.
+vec3 show_behind(inout Surface s, vec3 behind)
+{
+    const vec3 open = open_irradiance(s);
+    const bool lit = min(open.x, min(open.y, open.z)) > 0;
+    s.diffuse = s.ambient = lit ? behind * 3.14159265 / open : vec3(0);
+    s.specular = vec3(0);
+    s.roughness = 1;
+    return lit ? vec3(0) : behind;
+}
+
 void nothing(ivec2 at)
 {
     imageStore(share, at, vec4(0));
@@ -98,7 +126,8 @@ void main()
 {
     const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
     if (at.x >= int(frame.width) || at.y >= int(frame.height)) return;
-    const vec3 here = push.first != 0 ? vec3(1) : imageLoad(through, at).xyz;
+    const vec4 reaches = push.first != 0 ? vec4(1) : imageLoad(through, at);
+    const vec3 here = reaches.xyz;
     if (here == vec3(0)) {
         nothing(at);
         return;
@@ -119,7 +148,11 @@ void main()
     const vec4 sum = imageLoad(color, at);
     if (id.x == 0) {
         nothing(at);
-        imageStore(color, at, sum + vec4(push.weight * here * background_radiance(direction), 0));
+        vec4 shown = vec4(here, 0);
+        if (frame.backdrop_apart != 0) shown = vec4(here - reaches.w, 0);
+        shown.xyz *= background_radiance(direction);
+        if (frame.backdrop_apart != 0) shown.w = reaches.w;
+        imageStore(color, at, sum + push.weight * shown);
         imageStore(through, at, vec4(0));
         return;
     }
@@ -127,19 +160,23 @@ void main()
     Triangle triangle;
     Surface s = surface_at(draw, id.y, origin, direction, frame.pixel_width, frame.pixel_spread, triangle);
     if (materials.at[draws.at[draw].material].layered != 0) add_layers(triangle, draws.at[draw].material, s);
-    if (s.model == GNOMON_MODEL_CATCHER) {
-        // It shows what is behind it where nothing keeps light from it (show_behind in shading.cpp).
+    vec4 weight = vec4(here, 0);
+    vec3 own = vec3(0);
+    if (s.model == GNOMON_MODEL_CATCHER && frame.catches != 0) {
+        const vec3 behind = background_radiance(direction);
+        if (frame.backdrop_apart != 0) weight = vec4((here - reaches.w) * behind, reaches.w);
+        own = show_behind(s, frame.backdrop_apart != 0 ? vec3(1) : behind);
+    } else if (s.model == GNOMON_MODEL_CATCHER) {
         s.model = GNOMON_MODEL_METALLIC_ROUGHNESS;
         s.specular = vec3(0);
-        if (frame.open_irradiance != vec3(0))
-            s.diffuse = s.ambient = background_radiance(direction) * 3.14159265 / max(frame.open_irradiance, vec3(1e-6));
     }
+    weight *= push.weight;
 
-    vec3 own = s.emissive * s.coverage;
+    own += s.emissive * s.coverage;
     own += ambient_light(s) * s.coverage + unresolved_mirror(s);
-    imageStore(color, at, sum + vec4(push.weight * here * own, 0));
-    imageStore(share, at, vec4(push.weight * here, 0));
-    imageStore(through, at, vec4(before_opaque ? here * passes(s) : vec3(0), 0));
+    imageStore(color, at, sum + weighted(weight, own));
+    imageStore(share, at, weight);
+    imageStore(through, at, before_opaque ? vec4(here * passes(s), reaches.w * s.uncovered) : vec4(0));
     imageStore(g_position, at, vec4(s.position, dot(s.position - frame.eye, frame.forward)));
     imageStore(g_normal, at, vec4(s.normal, s.roughness));
     imageStore(g_geometric, at, vec4(s.geometric_normal, s.coverage));

@@ -8,6 +8,7 @@
 #include "gpu_scene/gpu_scene_shared.h"
 #include "gpu_scene/light.glsl"
 #include "raster/raster_shared.h"
+#include "raster/weighted.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 0, scalar) readonly buffer Frame { RasterFrame frame; };
@@ -47,6 +48,12 @@ vec3 schlick(vec3 f0, float cosine)
     return f0 + (vec3(1) - f0) * (x2 * x2 * x);
 }
 
+// A surface that catches shadows; without a highlight.
+vec3 matte(Point p, float cosine)
+{
+    return p.diffuse * (cosine / k_pi);
+}
+
 vec3 phong(Point p, vec3 to_light, float cosine)
 {
     vec3 result = p.diffuse * cosine;
@@ -77,6 +84,7 @@ vec3 reflect_light(Point p, vec3 to_light, bool of_environment)
 {
     const float cosine = dot(p.normal, to_light), cos_horizon = dot(p.smooth_normal, to_light);
     if (cosine <= 0 || cos_horizon <= 0) return vec3(0);
+    if (p.model == GNOMON_MODEL_CATCHER) return matte(p, cosine) * p.coverage;
     const float soft = soften_terminator(cos_horizon, cosine, dot(p.normal, p.smooth_normal)) * p.coverage;
     if (of_environment) {
         vec3 reflectance = p.diffuse / k_pi;
@@ -91,9 +99,9 @@ void main()
 {
     const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
     if (at.x >= int(frame.width) || at.y >= int(frame.height)) return;
-    const vec3 part = texelFetch(share, at, 0).xyz;
+    const vec4 part = texelFetch(share, at, 0);
     const vec4 diffuse = texelFetch(g_diffuse, at, 0);
-    if (part == vec3(0) || uint(diffuse.w) == GNOMON_MODEL_UNLIT) return;
+    if (part == vec4(0) || uint(diffuse.w) == GNOMON_MODEL_UNLIT) return;
     const vec4 normal = texelFetch(g_normal, at, 0);
     Point p;
     p.position = texelFetch(g_position, at, 0).xyz;
@@ -113,9 +121,9 @@ void main()
         sum += lit * irradiance * reflect_light(p, to_light, light.of_environment != 0);
         const uint bound = l - push.first_lit;   // wraps below the first
         if (bound < push.lit_count && irradiance != vec3(0))
-            lit_layers.at[bound * push.lit_pixels + uint(at.y) * frame.width + uint(at.x)] += part.x * lit;
+            lit_layers.at[bound * push.lit_pixels + uint(at.y) * frame.width + uint(at.x)] += (part.x + part.w) * lit;
     }
     if (push.colors == 0) return;
-    imageStore(color, at, imageLoad(color, at) + vec4(part * sum, 0));
-    if (push.layers != 0) imageStore(direct, at, imageLoad(direct, at) + vec4(part * sum, 0));
+    imageStore(color, at, imageLoad(color, at) + weighted(part, sum));
+    if (push.layers != 0) imageStore(direct, at, imageLoad(direct, at) + weighted(part, sum));
 }

@@ -6,6 +6,7 @@
 #include "gpu_scene/gpu_scene_shared.h"
 #include "raster/raster_shared.h"
 #include "raster/sized_shared.h"
+#include "raster/weighted.glsl"
 #include "shadow_textures/vulkan/textures_shared.h"
 
 layout(local_size_x = 8, local_size_y = 8) in;
@@ -59,9 +60,9 @@ void main()
 {
     const ivec2 at = ivec2(gl_GlobalInvocationID.xy);
     if (at.x >= int(frame.width) || at.y >= int(frame.height)) return;
-    const vec3 part = texelFetch(share, at, 0).xyz;
+    const vec4 part = texelFetch(share, at, 0);
     const vec4 diffuse = texelFetch(g_diffuse, at, 0);
-    if (part == vec3(0) || uint(diffuse.w) == GNOMON_MODEL_UNLIT) {
+    if (part == vec4(0) || uint(diffuse.w) == GNOMON_MODEL_UNLIT) {
         imageStore(sized, at, vec4(0));   // in every batch
         return;
     }
@@ -142,7 +143,7 @@ void main()
         if (push.unshadowed != 0) seen[0] = seen[1] = vec3(1);
         sum += reflectance * arrives.irradiance * seen[0] + arrives.lobe * seen[1];
     }
-    vec4 result = vec4(part * sum, 0);
+    vec4 result = weighted(part, sum);
     if (push.continued != 0) result += imageLoad(sized, at);
     imageStore(sized, at, result);
 }

@@ -36,6 +36,42 @@ void reduce(std::vector<glm::dvec2>& points)
     points = std::move(hull);
 }
 
+// The corners that bound a position sideways, for a tangent: max(u + t b) and max(t b - u).
+struct Bounds {
+    glm::dvec2 high{0}, low{0};   // (back, sideways)
+    double highest = -std::numeric_limits<double>::max(), lowest = highest;
+};
+
+Bounds bounds_of(const std::vector<glm::dvec2>& hull, double tangent)
+{
+    Bounds bounds;
+    for (const glm::dvec2& p : hull) {
+        if (const double high = p.y + tangent * p.x; high > bounds.highest) bounds.highest = high, bounds.high = p;
+        if (const double low = -p.y + tangent * p.x; low > bounds.lowest) bounds.lowest = low, bounds.low = p;
+    }
+    return bounds;
+}
+
+// Where a camera at a distance sees the points in the middle: half-way between the bounds of the smallest tangent that
+// holds them. What is missing for a tangent, max(u + t b) + max(t b - u) - 2 t d, is convex in t; Newton's method
+// from t = 0 reaches its zero after as many steps as corners change.
+double middle(const std::vector<glm::dvec2>& hull, double distance)
+{
+    constexpr int k_most_steps = 64;
+    double tangent = 0;
+    Bounds bounds = bounds_of(hull, 0);
+    for (int step = 0; step < k_most_steps; ++step) {
+        const double missing = bounds.highest + bounds.lowest - 2 * tangent * distance;
+        const double falls = 2 * distance - bounds.high.x - bounds.low.x;
+        if (!(missing > 0) || !(falls > 0)) break;
+        const double next = tangent + missing / falls;
+        if (!(next > tangent)) break;
+        tangent = next;
+        bounds = bounds_of(hull, tangent);
+    }
+    return 0.5 * (bounds.highest - bounds.lowest);
+}
+
 }   // namespace
 
 void CameraFit::add(const glm::dvec3& p)
@@ -57,14 +93,11 @@ glm::dvec3 CameraFit::eye(double aspect) const
     const double tangents[2] = {upright * aspect, upright};
     glm::dvec3 result(0, 0, nearest_ + lens_.least_distance);
     for (int axis = 0; axis < 2; ++axis) {
-        double high = -std::numeric_limits<double>::max(), low = high;
-        for (const glm::dvec2& p : hulls_[axis]) {
-            high = std::max(high, p.y + tangents[axis] * p.x);
-            low = std::max(low, -p.y + tangents[axis] * p.x);
-        }
-        result[axis] = 0.5 * (high - low);
-        result.z = std::max(result.z, (high + low) / (2 * tangents[axis]));
+        const Bounds bounds = bounds_of(hulls_[axis], tangents[axis]);
+        result.z = std::max(result.z, (bounds.highest + bounds.lowest) / (2 * tangents[axis]));
     }
+    // The points fill the image in one direction; put them in the middle of the other one as well.
+    for (int axis = 0; axis < 2; ++axis) result[axis] = middle(hulls_[axis], result.z);
     return result;
 }
 

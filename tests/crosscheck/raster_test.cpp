@@ -7,6 +7,7 @@
 #ifdef GNOMON_VULKAN
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include <fmt/format.h>
 
@@ -314,6 +315,95 @@ TEST_F(RasterCrosscheck, BackdropsAndCourtyardFillLightEqualTheTracedFrame)
     std::size_t different = 0;
     for (std::size_t i = 0; i < seen[0].size(); ++i) different += std::abs(seen[0][i] - seen[1][i]) > 0.02f;
     EXPECT_LE(different, seen[0].size() / 100);   // at edges, of objects and shadows
+}
+
+// A ground that catches the shadow of a ball behind a blended pane, below a point light and a spot light.
+scene::Scene ball_on_a_catcher()
+{
+    scene::Scene scene;
+    scene::Material matte, pane, ground;
+    matte.base_color = {0.7f, 0.3f, 0.2f};
+    matte.roughness = 1;
+    pane.base_color = {0.2f, 0.4f, 0.6f};
+    pane.roughness = 1;
+    pane.alpha = 0.25f;
+    pane.alpha_mode = scene::AlphaMode::blend;
+    pane.double_sided = true;
+    ground.double_sided = true;
+    ground.catches_shadows = true;
+    scene.materials = {matte, pane, ground};
+    const auto square = [](scene::MaterialId material, float half) {
+        scene::Mesh mesh;
+        mesh.positions = {{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}};
+        mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+        mesh.parts = {{material, 0, 2}};
+        return mesh;
+    };
+    scene.meshes = {test::ball(0, 24, 36), square(1, 0.7f), square(2, 40)};
+    test::add_object(scene, 0);
+    test::add_object(scene, 1, scene::none, test::translation(0.8, 0, 1.5));
+    const glm::dmat4 level = glm::rotate(glm::dmat4(1), -k_pi / 2, glm::dvec3(1, 0, 0));
+    test::add_object(scene, 2, scene::none, test::translation(0, -1.3, 0) * level);
+    scene.cameras.emplace_back().node = scene.add_node("camera", scene::none, test::translation(0, 0.6, 7));
+    scene::Scene whole = *test::finished(scene);
+    whole.background.color = {0.3f, 0.2f, 0.1f};
+    return whole;
+}
+
+TEST_F(RasterCrosscheck, BackgroundsApartEqualTheTracedFrame)
+{
+    const Scene scene = api::public_scene(std::make_shared<const scene::Scene>(ball_on_a_catcher()))
+                            .with_light_specs({"point 3 6 4 60 60 60", "spot -2 5 2 2 -5 -2 40 30 20 10"});
+    for (const BackgroundKind background : {BackgroundKind::transparent, BackgroundKind::environment}) {
+        Frame frames[2];
+        for (const RenderMethod renderer : {RenderMethod::trace, RenderMethod::raster}) {
+            RenderOptions options = options_of(renderer, {160, 120});
+            options.background = background;
+            options.max_depth = 4;   // straight through the pane
+            frames[renderer == RenderMethod::raster] = Renderer(options).render(scene, 1);
+        }
+        const std::vector<float> a = frames[0].layers[0].copy(), b = frames[1].layers[0].copy();
+        std::size_t different = 0;
+        for (std::size_t i = 0; i < a.size(); ++i) different += std::abs(a[i] - b[i]) > k_color_tolerance;
+        EXPECT_LE(different, a.size() / 50);   // at edges of objects and shadows
+        if (background == BackgroundKind::environment) {
+            EXPECT_EQ(frames[1].layer("alpha"), nullptr);
+            continue;
+        }
+        const std::vector<float> traced = layer(frames[0], "alpha").copy(), drawn = layer(frames[1], "alpha").copy();
+        different = 0;
+        std::size_t clear = 0, covered = 0, partly = 0;
+        for (std::size_t i = 0; i < traced.size(); ++i) {
+            different += std::abs(traced[i] - drawn[i]) > k_color_tolerance;
+            clear += drawn[i] < 1e-4f, covered += drawn[i] > 0.9999f, partly += std::abs(drawn[i] - 0.25f) < 1e-4f;
+        }
+        EXPECT_LE(different, traced.size() / 50);
+        // The lit ground and what lies beyond it; the ball; the pane before the lit ground.
+        EXPECT_GT(clear, traced.size() / 8);
+        EXPECT_GT(covered, traced.size() / 50);
+        EXPECT_GT(partly, traced.size() / 200);
+    }
+}
+
+// The rasteriser's lights that approximate the studio are those that light the ground, so that it stays clear.
+TEST_F(RasterCrosscheck, TheStudiosGroundIsClearBesideItsShadows)
+{
+    const test::ScratchFolder scratch;
+    std::ofstream(scratch / "one.obj") << "v -1 0 -1\nv 1 0 -1\nv 0 2 0\nv 0 0 1\nf 1 3 2\nf 2 3 4\nf 4 3 1\nf 1 2 4\n";
+    const Scene scene = load((scratch / "one.obj").string());
+    RenderOptions options = options_of(RenderMethod::raster, {120, 90});
+    options.background = BackgroundKind::transparent;
+    const Frame frame = Renderer(options).render(scene, 1);
+    const Layer& alpha = *frame.layer("alpha");
+    for (const int x : {0, 119})
+        for (const int y : {0, 89}) EXPECT_LT(alpha.value(x, y), 0.02f) << x << " " << y;
+    EXPECT_EQ(alpha.value(60, 45), 1);
+    const std::vector<float> values = alpha.copy();
+    std::size_t shadow = 0;
+    for (const float value : values) shadow += value > 0.1f && value < 0.99f;
+    EXPECT_GT(shadow, values.size() / 100);
+    // Nothing of what lies behind is in the image.
+    EXPECT_EQ(frame.layers[0].value(0, 0, 1), 0);
 }
 
 TEST_F(RasterCrosscheck, ColoursOfKitchenEqualTheTracedFrame)

@@ -151,7 +151,7 @@ TEST(Background, GlassShowsWhatIsBehindAndKeepsItsReflections)
 TEST(Background, RefusesWhatItCannotShow)
 {
     RenderOptions options = small(BackgroundKind::transparent);
-    options.renderer = RenderMethod::raster;
+    options.overlay = Overlay::shadow_states;
     EXPECT_THROW(check_options(options), UsageError);
     options = small(BackgroundKind::color);
     options.background_color[1] = 2;

@@ -95,6 +95,33 @@ TEST(Framing, SceneStaysInTheImageAndFillsItAtAllTimes)
     }
 }
 
+// As far from one edge as from the opposite one, in both directions, and at any aspect.
+TEST(Framing, TheClipIsInTheMiddleOfTheImage)
+{
+    const FramingOptions options = from_the_right();
+    const glm::dmat3 axes = camera_axes(options.back);
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        const Scene scene = clouds(seed, {0.7, 1.2, -0.4});
+        const Framed framed = frame_clip(scene, options);
+        for (const double aspect : {0.4, 1.0, 16.0 / 9, 3.0}) {
+            const glm::dvec3 eye = framed.eye(aspect);
+            glm::dvec2 least(1e9), most(-1e9);
+            for (int look = 0; look < options.looks; ++look)
+                for (const Object& object : scene.objects) {
+                    const double time = static_cast<double>(look) / (options.looks - 1);
+                    const glm::dmat4 world = scene.world_matrix(object.node, time);
+                    for (const glm::vec3& p : scene.meshes[object.mesh].positions) {
+                        const glm::dvec3 to = glm::transpose(axes) * (transform_point(world, glm::dvec3(p)) - eye);
+                        least = glm::min(least, glm::dvec2(to) / -to.z);
+                        most = glm::max(most, glm::dvec2(to) / -to.z);
+                    }
+                }
+            EXPECT_NEAR(least.x + most.x, 0, 1e-5 * (most.x - least.x)) << seed << " " << aspect;
+            EXPECT_NEAR(least.y + most.y, 0, 1e-5 * (most.y - least.y)) << seed << " " << aspect;
+        }
+    }
+}
+
 TEST(Framing, DistantObjectsDoNotShrinkTheRest)
 {
     const FramingOptions options = from_the_right();

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "base/clocks.h"
+#include "base/luminance_shared.h"
 #include "base/math.h"
 #include "base/morton.h"
 #include "scene/light_reach.h"
@@ -32,6 +33,8 @@ TEST(Luminance, OfWhiteIsOneInBothPrecisions)
     EXPECT_NEAR(luminance(glm::vec3(1)), 1, 1e-6);
     EXPECT_NEAR(luminance(glm::dvec3(1)), 1, 1e-15);
     EXPECT_EQ(luminance(glm::vec3(0, 1, 0)), 0.7152f);
+    EXPECT_EQ(luminance(glm::dvec3(1, 2, 3)),
+              GNOMON_LUMINANCE_RED + GNOMON_LUMINANCE_GREEN * 2 + GNOMON_LUMINANCE_BLUE * 3);
 }
 
 TEST(Clocks, CountWorkOfTheThreadAndTheProcess)

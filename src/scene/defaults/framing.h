@@ -15,7 +15,7 @@ namespace gnomon::scene {
 struct FramingOptions {
     glm::dvec3 back{0, 0, 1};   // unit, from the scene to the camera; not upright
     double vertical_fov = 0.7;
-    double margin = 1.08;
+    double margin = 1.12;
     int looks = 17;   // number of sampled times
     float widest_clip =
         2.5;   // objects that travel farther than this many diagonals of the first frame are framed at its time only
