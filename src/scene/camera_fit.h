@@ -6,9 +6,7 @@
 // A point with coordinates r to the right, u up and b back is within the frame's width, seen from (x, y, d), if
 // |r - x| <= t (d - b), with t the tangent of half the horizontal angle. So the greatest r + t b bounds x + t d from
 // below, and the greatest -r + t b bounds -x + t d; the smallest d that satisfies both has x half-way between. The
-// height is treated likewise. Where one of the two needs a larger d, the other has room; its points are then in the
-// middle for the smallest t that shows them from there. For any t, only corners of the convex hulls of (b, r) and (b, u)
-// reach these bounds.
+// height is treated likewise. For any t, only corners of the convex hulls of (b, r) and (b, u) reach these bounds.
 //
 // Cost: O(n log n) for n points, a few hundred bytes; a position costs one pass over the hulls.
 
@@ -22,7 +20,7 @@ class CameraFit {
  public:
     struct Lens {
         double vertical_fov = 0.7;   // radians
-        double margin = 1.12;        // the points fill one part in so much of the image
+        double margin = 1.08;        // the points fill one part in so much of the image
         double least_distance = 0;   // in front of the nearest point
     };
     explicit CameraFit(const Lens& lens) : lens_(lens) {}
