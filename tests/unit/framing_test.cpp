@@ -3,7 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "base/random.h"
+#include "io/load.h"
+#include "scene/defaults/default_view.h"
+#include "scene/state.h"
+#include "scene/view.h"
+#include "support.h"
 
 namespace gnomon::scene {
 namespace {
@@ -130,6 +137,66 @@ TEST(Framing, DistantObjectsDoNotShrinkTheRest)
     const glm::dvec2 most = reach(scene, options, framed.eye(1.5), 0, 1.5);
     EXPECT_NEAR(std::max(most.x, most.y), 1 / options.margin, 1e-3);
     EXPECT_LT(framed.size, 20);
+}
+
+// Whether all vertices of a scene are in view at a time.
+bool is_whole(const SceneState& state, const View& view)
+{
+    for (ObjectId id = 0; id < state.scene().objects.size(); ++id) {
+        if (!state.object_visible(id)) continue;
+        const Object& object = state.scene().objects[id];
+        const Mesh& mesh = state.scene().meshes[object.mesh];
+        const std::vector<glm::vec3>& positions = object.deforming ? state.deformed(id).positions : mesh.positions;
+        const glm::mat4 world = state.object_matrix(id);
+        for (const glm::uvec3& triangle : mesh.triangles)
+            for (int i = 0; i < 3; ++i) {
+                const glm::vec3 to = transform_point(world, positions[triangle[i]]) - view.eye;
+                const float depth = glm::dot(to, view.forward);
+                if (!(depth > 0) || std::abs(glm::dot(to, view.right)) > depth * glm::dot(view.right, view.right) ||
+                    std::abs(glm::dot(to, view.up)) > depth * glm::dot(view.up, view.up))
+                    return false;
+            }
+    }
+    return true;
+}
+
+// Each scene file that gets a camera from outside is whole in its images, from the first frame to the last.
+TEST(FramingFull, SceneFilesAreWholeInTheirDefaultImages)
+{
+    GNOMON_NEED_SCENE(folder, "real");
+    std::vector<std::filesystem::path> files;
+    for (const char* name : {"real", "gltf"})
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(test::scenes() / name))
+            if (entry.path().extension() == ".gltf" || entry.path().extension() == ".glb")
+                files.push_back(entry.path());
+    std::sort(files.begin(), files.end());
+    int seen = 0;
+    for (const std::filesystem::path& file : files) {
+        std::shared_ptr<const Scene> scene;
+        try {
+            scene = std::make_shared<const Scene>(io::load_scene(file));
+        } catch (const Error&) {
+            continue;
+        }
+        if (!scene->cameras.empty() || scene->objects.empty()) continue;
+        SceneState state(scene, scene->timeline.start);
+        const DefaultView chosen = choose_view(state, {});
+        if (chosen.room) continue;
+        ++seen;
+        glm::dmat4 node(chosen.axes);
+        node[3] = glm::dvec4(chosen.eye, 1);
+        const double length = scene->timeline.end - scene->timeline.start;
+        for (const Size size : {Size{1280, 720}, Size{512, 512}, Size{300, 500}}) {
+            const View view = make_view(chosen.camera, node, size);
+            EXPECT_TRUE(is_whole(SceneState(scene, scene->timeline.start), view)) << file << " " << size.width;
+            // A clip that goes far is framed as it begins.
+            int cropped = 0;
+            for (int k = 1; k <= 12 && length > 0; ++k)
+                cropped += !is_whole(SceneState(scene, scene->timeline.start + length * k / 12), view);
+            if (cropped > 0) std::printf("%s: %d of 12 later moments are cropped\n", file.c_str(), cropped);
+        }
+    }
+    EXPECT_GT(seen, 0);
 }
 
 TEST(Framing, HandlesEmptyAndPointScenes)
