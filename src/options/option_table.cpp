@@ -174,7 +174,7 @@ constexpr Option k_options[] = {
     {.name = "background", .argument = "COLOR|transparent|environment", .kind = Kind::text, .fallback = "environment",
      .subcommands = k_images, .group = k_look,
      .help = "what the image shows behind the scene: a colour such as white, #ffc or #ffcc00; transparent: nothing, with "
-             "alpha in .png and .exr; environment: what lights the scene. Traced images"},
+             "alpha in .png and .exr; environment: what lights the scene"},
     {.name = "overlay", .argument = "NAME", .kind = Kind::choice, .choices = k_choices<Overlay>,
      .subcommands = k_images, .group = k_look,
      .help = "colour the image by internal state. shadow-states: cached shadows, in a panel of --size for each light "
