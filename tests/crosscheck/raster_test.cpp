@@ -339,7 +339,8 @@ scene::Scene ball_on_a_catcher()
         mesh.parts = {{material, 0, 2}};
         return mesh;
     };
-    scene.meshes = {test::ball(0, 24, 36), square(1, 0.7f), square(2, 40)};
+    for (const scene::Mesh& mesh : {test::ball(0, 24, 36), square(1, 0.7f), square(2, 40)})
+        scene.meshes.push_back(mesh);
     test::add_object(scene, 0);
     test::add_object(scene, 1, scene::none, test::translation(0.8, 0, 1.5));
     const glm::dmat4 level = glm::rotate(glm::dmat4(1), -k_pi / 2, glm::dvec3(1, 0, 0));
