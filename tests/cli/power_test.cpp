@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the program has finished survives a loss of power (losing_power.cpp), and a film goes on from it.
+// What the program has finished survives a loss of power (losing_power.cpp), and a video goes on from it.
 #include <fmt/format.h>
 
 #include "run_program.h"
@@ -52,14 +52,14 @@ TEST_F(LossOfPower, LeavesFinishedImages)
     for (int frame = 1; frame <= 4; ++frame) EXPECT_EQ(image("none", frame), "") << frame;
 }
 
-TEST_F(LossOfPower, LetsAFilmGoOn)
+TEST_F(LossOfPower, LetsAVideoGoOn)
 {
     if (!video_tools()) GTEST_SKIP() << "no ffmpeg";
     ASSERT_EQ(run(arguments("whole.mp4")).code, 0);
     const std::string whole = bytes_of(folder / "whole.mp4");
     ASSERT_GT(whole.size(), 1000u);
 
-    constexpr int k_renames = 6;   // the manifest, four frames and the film
+    constexpr int k_renames = 6;   // the manifest, four frames and the video
     for (int at = 1; at <= k_renames; ++at) {
         const std::string name = fmt::format("{}.mp4", at);
         EXPECT_EQ(run(arguments(name), losing_power(at)).code, -SIGKILL) << at;

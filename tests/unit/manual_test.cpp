@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "options/option_table.h"
+#include "places.h"
 
 namespace gnomon::cli {
 namespace {
@@ -48,7 +49,7 @@ TEST(Manual, OptionsOfAGroupAreContiguous)
 TEST(Manual, OptionsPageOfTheGuideIsUpToDate)
 {
     std::ostringstream page;
-    page << std::ifstream(test::places::source_folder + "/docs/guide/options.md").rdbuf();
+    page << std::ifstream(gnomon::test::places::source_folder + "/docs/guide/options.md").rdbuf();
     EXPECT_EQ(page.str(), options_page()) << "build gnomon_documents, and let it write options.md";
 }
 
