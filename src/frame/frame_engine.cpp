@@ -87,8 +87,8 @@ auto map_key(const RenderOptions& o)
 
 auto raster_key(const RenderOptions& o)
 {
-    return std::tuple(o.samples, o.layers, o.background != BackgroundKind::environment, o.shadow_textures, o.shadow_filter, o.as_printed, o.overlay, o.indirect_on,
-                      cache_key(o), map_key(o));
+    return std::tuple(o.samples, o.layers, o.background != BackgroundKind::environment, o.shadow_textures,
+                      o.shadow_filter, o.as_printed, o.overlay, o.indirect_on, cache_key(o), map_key(o));
 }
 
 // Bytes of the buffers of a frame.

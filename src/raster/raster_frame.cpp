@@ -171,9 +171,8 @@ void RasterFrame::begin_frame(const scene::SceneState& state, const scene::View&
             bounds.add(state.present_bounds().whole);
         unlimited_far_ = view.near + std::max(1.0f, bounds.diagonal() + glm::length(bounds.centre() - view.eye));
     }
-    const shared::RasterFrame constants =
-        frame_constants(*described_, view, !bounced_, !(bounced_ && bounced_->has_further_bounces()),
-                        options.backdrop_apart);
+    const shared::RasterFrame constants = frame_constants(
+        *described_, view, !bounced_, !(bounced_ && bounced_->has_further_bounces()), options.backdrop_apart);
     const vk::Upload upload = vk::upload_of(frame_, std::span<const shared::RasterFrame>(&constants, 1));
     commands_.upload("send view", {&upload, 1});
     if (bounced_) bounced_->update(commands_, scene_, state);

@@ -68,13 +68,13 @@ void RasterFrame::make_pipelines()
                                                .depth = k_depth_format,
                                                .blocks = vk::all_blocks(draw_push, gpu_scene::draw_blocks())});
     resolve_ = vk::Pipeline(
-        device_, ComputeDesc{.name = "surfaces",
-                             .code = {"resolve.comp", k_resolve_comp},
-                             .blocks = vk::all_blocks(
-                                 vk::shared_push<ResolvePush>(), gpu_scene::scene_data_blocks(),
-                                 std::vector{vk::shared_block<gpu_scene::shared::GpuLayers>("layers"),
-                                             vk::shared_block<gpu_scene::shared::GpuLight>("lights")},
-                                 frame_block)});
+        device_,
+        ComputeDesc{.name = "surfaces",
+                    .code = {"resolve.comp", k_resolve_comp},
+                    .blocks = vk::all_blocks(vk::shared_push<ResolvePush>(), gpu_scene::scene_data_blocks(),
+                                             std::vector{vk::shared_block<gpu_scene::shared::GpuLayers>("layers"),
+                                                         vk::shared_block<gpu_scene::shared::GpuLight>("lights")},
+                                             frame_block)});
     shade_ = vk::Pipeline(
         device_,
         ComputeDesc{.name = "lights",

@@ -22,7 +22,8 @@ void write_grid(const std::filesystem::path& file, int quads, bool complete)
     };
     for (int z = 0; z < side; ++z, flush())
         for (int x = 0; x < side; ++x)
-            rows += fmt::format("v {:.6f} {:.6f} {:.6f}\n", 10.0 * x / quads, 0.3 * std::sin(0.02 * x), 10.0 * z / quads);
+            rows +=
+                fmt::format("v {:.6f} {:.6f} {:.6f}\n", 10.0 * x / quads, 0.3 * std::sin(0.02 * x), 10.0 * z / quads);
     for (int z = 0; complete && z < side; ++z, flush())
         for (int x = 0; x < side; ++x)
             rows += fmt::format("vt {:.6f} {:.6f}\nvn 0.0000 1.0000 {:.4f}\n", 1.0 * x / quads, 1.0 * z / quads,

@@ -376,7 +376,7 @@ TEST_F(RasterCrosscheck, BackgroundsApartEqualTheTracedFrame)
         std::size_t clear = 0, covered = 0, partly = 0;
         for (std::size_t i = 0; i < traced.size(); ++i) {
             different += std::abs(traced[i] - drawn[i]) > k_color_tolerance;
-            clear += drawn[i] < 1e-4f, covered += drawn[i] > 0.9999f, partly += std::abs(drawn[i] - 0.25f) < 1e-4f;
+            clear += drawn[i]<1e-4f, covered += drawn[i]> 0.9999f, partly += std::abs(drawn[i] - 0.25f) < 1e-4f;
         }
         EXPECT_LE(different, traced.size() / 50);
         // The lit ground and what lies beyond it; the ball; the pane before the lit ground.

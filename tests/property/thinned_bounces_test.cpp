@@ -16,8 +16,8 @@ namespace {
 
 Material blend(float alpha)
 {
-    return {.base_color = {0, 0, 0}, .alpha = alpha, .alpha_mode = AlphaMode::blend, .roughness = 1,
-            .double_sided = true};
+    return {
+        .base_color = {0, 0, 0}, .alpha = alpha, .alpha_mode = AlphaMode::blend, .roughness = 1, .double_sided = true};
 }
 
 enum class Lit { spot_above, spot_below, surface };
@@ -27,8 +27,8 @@ struct Room {
     MaterialId sheet;
 };
 
-// A floor in the plane z = -4, below a camera at the origin; a sheet behind the camera at z = 1; a wide ceiling at z = 3
-// that faces the floor. A light shines at the ceiling, from beyond the sheet or through it.
+// A floor in the plane z = -4, below a camera at the origin; a sheet behind the camera at z = 1; a wide ceiling at z =
+// 3 that faces the floor. A light shines at the ceiling, from beyond the sheet or through it.
 Room make_room(Lit lit, float alpha, bool there = true)
 {
     Room room;
@@ -131,8 +131,8 @@ TEST(ThinnedBounces, AnEvenSkyReachesAFloorAsFarAsAlphaLeavesIt)
             mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
             mesh.parts = {{m, 0, 2}};
             scene.meshes.push_back(mesh);
-            scene.nodes[scene.add_node("", scene::none,
-                                       glm::translate(glm::dmat4(1), glm::dvec3(0, m == 0 ? 0 : 2, 0)))]
+            scene
+                .nodes[scene.add_node("", scene::none, glm::translate(glm::dmat4(1), glm::dvec3(0, m == 0 ? 0 : 2, 0)))]
                 .mesh = m;
         }
         scene.background.kind = scene::Background::Kind::sky;

@@ -148,9 +148,9 @@ TEST(MaterialExtensions, UnlitShowsItsColourWhateverTheLight)
 
 TEST(MaterialExtensions, EmissiveStrengthMultipliesTheEmission)
 {
-    const Quad quad(R"("emissiveFactor":[1,0.5,0.25],)" +
-                        extension("KHR_materials_emissive_strength", R"("emissiveStrength":8)"),
-                    "KHR_materials_emissive_strength");
+    const Quad quad(
+        R"("emissiveFactor":[1,0.5,0.25],)" + extension("KHR_materials_emissive_strength", R"("emissiveStrength":8)"),
+        "KHR_materials_emissive_strength");
     EXPECT_EQ(quad.at().emissive, glm::vec3(8, 4, 2));
 }
 

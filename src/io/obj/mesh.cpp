@@ -32,8 +32,8 @@ std::uint64_t hash(const VertexKey& key)
     return h ^ (h >> 31);
 }
 
-// Vertices of one mesh by key: open addressing, at most half full. It grows with the vertices, which are a quarter of the
-// corners in most files.
+// Vertices of one mesh by key: open addressing, at most half full. It grows with the vertices, which are a quarter of
+// the corners in most files.
 class VertexTable {
  public:
     std::uint32_t find_or_add(const VertexKey& key)

@@ -74,7 +74,7 @@ std::vector<glm::vec3> corner_normals(const ObjData& data, std::span<const std::
                                       const ObjNormalOptions& options, std::vector<std::uint32_t>& positions_used)
 {
     struct Contributing {
-        glm::dvec3 normal;                         // of the face, unit
+        glm::dvec3 normal;                        // of the face, unit
         std::uint32_t first, corner, smoothing;   // its first contribution, and its corner
     };
     std::vector<glm::vec3> normals;
