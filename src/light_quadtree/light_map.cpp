@@ -10,7 +10,6 @@
 #include "light_quadtree/ball_footprint.h"
 #include "light_views/texel_ray.h"
 #include "lighting/diffuse.h"
-#include "ray/light_through.h"
 
 namespace gnomon::light_quadtree {
 
@@ -157,8 +156,6 @@ void LightMap::cast_tile(const View& view, int tile, TexelMask which, const scen
         queue.push(r.origin, 0, r.direction, reach[static_cast<std::size_t>(i)]);
         place.push_back(i);
     }
-    glm::vec3 through[k_tile * k_tile];   // the part of the light that gets so far
-    std::fill(std::begin(through), std::end(through), glm::vec3(1));
     for (int pass = 0; pass <= options_.most_transparent && !queue.empty(); ++pass) {
         hits.resize(queue.size());
         rays.closest(queue, 0, queue.size(), hits, ray::Sides::both, against);
@@ -171,9 +168,6 @@ void LightMap::cast_tile(const View& view, int tile, TexelMask which, const scen
             // Pass through surfaces that do not occlude light.
             const scene::Material& material = scene.materials[geometry.mesh->part_of(triangle).material];
             if (material.surface_class() == scene::SurfaceClass::transparent) {
-                if (scene::thins_light(material))
-                    through[place[k]] *=
-                        ray::let_through(scene, *geometry.mesh, material, triangle, hits.u[k], hits.v[k]);
                 onward.push(queue.origin(k), std::nextafter(hits.t[k], k_infinity), queue.direction(k),
                             reach[static_cast<std::size_t>(place[k])]);
                 onward_place.push_back(place[k]);
@@ -206,8 +200,7 @@ void LightMap::cast_tile(const View& view, int tile, TexelMask which, const scen
             texel.depth = glm::dot(position - view.projection.origin, axis) / view.depth_range;
             texel.area = static_cast<float>(facing_area) / std::max(cosine, options_.least_cosine);
             texel.flux = lighting::exitance_per_irradiance(scene, geometry, triangle, u, v) *
-                         scene::illuminate(light, at, position).irradiance * static_cast<float>(facing_area) *
-                         through[place[k]];
+                         scene::illuminate(light, at, position).irradiance * static_cast<float>(facing_area);
             texel.members = 1;
         }
         std::swap(queue, onward);

@@ -2,7 +2,6 @@
 #include "patches/patch_emission.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "base/check.h"
 #include "base/interruption.h"
@@ -141,49 +140,27 @@ void PatchEmission::light_points(Light& light, const ray::RayScene& rays, Tasks&
         }
         trace();
         std::erase_if(reached, [](const Reached& r) { return r.visible == 0; });
-        if (rays.thins_light()) thin(light, rays, reached);
     });
     light.reached.clear();
     for (const std::vector<Reached>& some : found) light.reached.insert(light.reached.end(), some.begin(), some.end());
 }
 
-// Takes from the light what static surfaces keep on the way, in the mean over the visible places.
-void PatchEmission::thin(const Light& light, const ray::RayScene& rays, std::vector<Reached>& reached) const
-{
-    ray::RayQueue queue;
-    for (const Reached& r : reached)
-        for (std::uint32_t place = 0; place < light.shape.places.size(); ++place)
-            if ((r.visible >> place) & 1) {
-                const glm::vec3& from = points_[r.point].position;
-                queue.push(from, 0, light.shape.places[place].position - from, ray::k_shadow_ray_end);
-            }
-    std::vector<glm::vec3> passes(queue.size());
-    rays.let_through(queue, 0, queue.size(), passes.data(), ray::Against::static_only);
-    std::size_t at = 0;
-    for (Reached& r : reached) {
-        glm::vec3 sum(0);
-        const int places = std::popcount(r.visible);
-        for (int i = 0; i < places; ++i) sum += passes[at++];
-        r.light *= sum / static_cast<float>(places);
-    }
-}
-
 bool PatchEmission::update(const scene::SceneState& state, const ray::RayScene& rays, const scene::SizedLights& lights,
-                           Tasks& tasks, bool thinned_anew)
+                           Tasks& tasks)
 {
     const bool first = first_;
     if (first)
         dynamic_ = std::make_unique<visibility::DynamicBounds>(state, rays);
     else
         dynamic_->update(state, rays);
-    const bool relit = first || thinned_anew || version_ != lights.version();
+    const bool relit = first || version_ != lights.version();
     if (relit) {
         first_ = true;   // until all is made
         choose_points(lights.lights().size());
         lights_.resize(lights.lights().size());
         for (std::size_t l = 0; l < lights_.size(); ++l) {
             const scene::SizedLight& shape = lights.lights()[l];
-            if (!thinned_anew && lights_[l] && same(lights_[l]->shape, shape)) continue;
+            if (lights_[l] && same(lights_[l]->shape, shape)) continue;
             lights_[l] = std::make_unique<Light>();
             lights_[l]->shape = shape;
             for (const scene::SizedPlace& place : shape.places) lights_[l]->box.add(place.position);

@@ -33,11 +33,9 @@ class PatchEmission {
 
     /// Follows one advance() of the state, after the ray scene did. The first call makes everything.
     /// @param lights  of this state, with EmissionOptions::lights
-    /// What static surfaces let through of a light (RayScene::let_through) is part of what it brings.
-    /// @param thinned_anew  surfaces that thin light may let through another part of it
     /// @return  whether the lights, or what they bring without dynamic objects, changed
     bool update(const scene::SceneState& state, const ray::RayScene& rays, const scene::SizedLights& lights,
-                Tasks& tasks, bool thinned_anew = false);
+                Tasks& tasks);
 
     /// By patch: without dynamic objects in the way, and now.
     std::span<const glm::vec3> static_irradiance() const { return static_; }
@@ -59,7 +57,6 @@ class PatchEmission {
     class Shading;
     void choose_points(std::size_t lights);
     void light_points(Light& light, const ray::RayScene& rays, Tasks& tasks) const;
-    void thin(const Light& light, const ray::RayScene& rays, std::vector<Reached>& reached) const;
     void follow_blockers(const ray::RayScene& rays, Tasks& tasks);
 
     const SurfacePatches& patches_;

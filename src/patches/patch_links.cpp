@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/interruption.h"
-#include "ray/light_through.h"
 #include "ray/origin.h"
 
 namespace gnomon::patches {
@@ -41,7 +40,6 @@ class Caster {
         rays_.clear();
         for (PatchId p = first; p < last; ++p) push(p);
         hits_.resize(rays_.size());
-        through_.assign(rays_.size(), glm::vec3(1));
         scene_rays_.closest(rays_, 0, rays_.size(), hits_, ray::Sides::both, ray::Against::static_only);
         pass_transparent();
         const auto weight = static_cast<float>(k_pi / static_cast<double>(PatchLinks::k_rays));
@@ -49,8 +47,7 @@ class Caster {
         for (PatchId p = first; p < last; ++p)
             for (std::size_t k = 0; k < PatchLinks::k_rays; ++k, ++r) {
                 if (hits_.object[r] == scene::none) {
-                    if (surroundings.any())
-                        links.surroundings[p] += weight * surroundings.radiance(rays_.direction(r)) * through_[r];
+                    if (surroundings.any()) links.surroundings[p] += weight * surroundings.radiance(rays_.direction(r));
                     continue;
                 }
                 const Surface at = surface(r);
@@ -58,9 +55,7 @@ class Caster {
                 const PatchId met =
                     patches_.patch_at(scene_rays_, hits_.object[r], hits_.triangle[r], hits_.u[r], hits_.v[r], front,
                                       at.position + (front ? at.lift : -at.lift) * at.normal);
-                if (met == k_no_patch) continue;
-                links.target[PatchLinks::k_rays * p + k] = static_cast<std::uint16_t>(met);
-                if (!links.passes.empty()) links.passes[PatchLinks::k_rays * p + k] = luminance(through_[r]);
+                if (met != k_no_patch) links.target[PatchLinks::k_rays * p + k] = static_cast<std::uint16_t>(met);
             }
     }
 
@@ -83,15 +78,6 @@ class Caster {
         const scene::Mesh& mesh = *scene_rays_.geometry(hits_.object[r]).mesh;
         return scene_.materials[mesh.part_of(hits_.triangle[r]).material].surface_class() !=
                scene::SurfaceClass::transparent;
-    }
-
-    // Takes from a ray what the surface that it met keeps.
-    void thin(std::uint32_t r)
-    {
-        const scene::Mesh& mesh = *scene_rays_.geometry(hits_.object[r]).mesh;
-        const scene::Material& material = scene_.materials[mesh.part_of(hits_.triangle[r]).material];
-        if (scene::thins_light(material))
-            through_[r] *= ray::let_through(scene_, mesh, material, hits_.triangle[r], hits_.u[r], hits_.v[r]);
     }
 
     // Queues the rays of a patch, from places at equal steps of area.
@@ -124,7 +110,6 @@ class Caster {
             passing_.clear(), passing_ray_.clear();
             for (std::uint32_t r = 0; r < rays_.size(); ++r) {
                 if (blocks(r)) continue;
-                thin(r);
                 const Surface at = surface(r);
                 const float cosine = std::abs(glm::dot(at.normal, rays_.direction(r)));
                 passing_.push(rays_.origin(r), hits_.t[r] + at.lift / std::max(cosine, k_least_cosine),
@@ -148,7 +133,6 @@ class Caster {
     ray::RayQueue rays_, passing_;
     ray::Hits hits_, next_;
     std::vector<std::uint32_t> passing_ray_;
-    std::vector<glm::vec3> through_;   // by ray: the part of light that passes
 };
 
 }   // namespace
@@ -159,7 +143,6 @@ PatchLinks link_patches(const SurfacePatches& patches, const scene::SceneState& 
     PatchLinks links;
     const std::size_t count = patches.patches().size();
     links.target.assign(PatchLinks::k_rays * count, PatchLinks::k_none);
-    if (rays.thins_light()) links.passes.assign(links.target.size(), 1.0f);
     links.surroundings.assign(count, glm::vec3(0));
     tasks.for_each((count + k_patches_at_once - 1) / k_patches_at_once, [&](std::size_t run, int) {
         interruption_point();
@@ -179,9 +162,8 @@ void gather_links(const PatchLinks& links, std::span<const glm::vec3> exitance, 
         for (std::size_t p = run * k_patches_to_gather; p < last; ++p) {
             glm::vec3 sum(0);
             const std::uint16_t* target = links.target.data() + PatchLinks::k_rays * p;
-            const float* passes = links.passes.empty() ? nullptr : links.passes.data() + PatchLinks::k_rays * p;
             for (std::size_t k = 0; k < PatchLinks::k_rays; ++k)
-                if (target[k] != PatchLinks::k_none) sum += (passes ? passes[k] : 1.0f) * exitance[target[k]];
+                if (target[k] != PatchLinks::k_none) sum += exitance[target[k]];
             irradiance[p] = k_weight * sum;
         }
     });

@@ -106,8 +106,7 @@ class RayScene {
     /// Sets to[i] to the part of light that the thinning surfaces between tnear and tfar of ray begin + i let through:
     /// the product of let_through() (light_through.h), which does not depend on the order of the hits. Surfaces that
     /// block light are not looked for. Thread-safe.
-    void let_through(const RayQueue& rays, std::size_t begin, std::size_t end, glm::vec3* to,
-                     Against against = Against::everything) const;
+    void let_through(const RayQueue& rays, std::size_t begin, std::size_t end, glm::vec3* to) const;
 
     /// The same for a single ray: the reference implementation of the packets, also used for lone rays.
     Hit closest_single(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar, Sides sides) const;

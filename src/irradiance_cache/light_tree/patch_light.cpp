@@ -103,10 +103,7 @@ bool PatchLight::follow(const scene::SceneState& state, const ray::RayScene& ray
 {
     const bool reflects = !state.changes().materials_changed.empty();
     if (reflects) albedo_ = patches_.albedo(state.scene(), rays, tasks);
-    const bool thinned_anew = reflects && rays.thins_light();
-    if (thinned_anew)
-        links_ = patches::link_patches(patches_, state, rays, patches::Surroundings(state.scene().background), tasks);
-    const bool relit = emission_.update(state, rays, lights, tasks, thinned_anew);
+    const bool relit = emission_.update(state, rays, lights, tasks);
     return relit || reflects;
 }
 

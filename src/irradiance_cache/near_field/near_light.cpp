@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "lighting/diffuse.h"
-#include "ray/light_through.h"
 #include "ray/origin.h"
 
 namespace gnomon::irradiance_cache {
@@ -14,7 +13,6 @@ namespace {
 
 // The sum is irradiance for the point's own normal. For other normals it must stay bounded at grazing angles.
 constexpr float k_least_cosine = 0.1f;
-constexpr int k_most_passes = 8;   // through surfaces that do not block light
 
 }   // namespace
 
@@ -30,40 +28,6 @@ std::vector<glm::vec3> cosine_directions(int count)
 }
 
 NearLight::NearLight(const NearOptions& options) : options_(options), directions_(cosine_directions(options.rays)) {}
-
-// Continues rays that met a surface that does not block light, behind it.
-void NearLight::pass_transparent(const scene::Scene& scene, const ray::RayScene& rays, ray::Against against,
-                                 Scratch& scratch) const
-{
-    const ray::RayQueue& queue = scratch.rays;
-    ray::Hits& hits = scratch.hits;
-    scratch.through.assign(queue.size(), glm::vec3(1));
-    scratch.onward.purpose = ray::RayClass::indirect;
-    for (int pass = 0; pass < k_most_passes; ++pass) {
-        scratch.onward.clear(), scratch.onward_ray.clear();
-        for (std::size_t r = 0; r < queue.size(); ++r) {
-            if (hits.object[r] == scene::none) continue;
-            const scene::Mesh& mesh = *rays.geometry(hits.object[r]).mesh;
-            const scene::Material& material = scene.materials[mesh.part_of(hits.triangle[r]).material];
-            if (material.surface_class() != scene::SurfaceClass::transparent) continue;
-            if (scene::thins_light(material))
-                scratch.through[r] *= ray::let_through(scene, mesh, material, hits.triangle[r], hits.u[r], hits.v[r]);
-            scratch.onward.push(queue.origin(r), std::nextafter(hits.t[r], k_infinity), queue.direction(r),
-                                options_.radius);
-            scratch.onward_ray.push_back(r);
-        }
-        if (scratch.onward.empty()) return;
-        ray::Hits& next = scratch.onward_hits;
-        next.resize(scratch.onward.size());
-        rays.closest(scratch.onward, 0, scratch.onward.size(), next, ray::Sides::both, against);
-        scratch.cast += scratch.onward.size();
-        for (std::size_t i = 0; i < scratch.onward_ray.size(); ++i) {
-            const std::size_t r = scratch.onward_ray[i];
-            hits.t[r] = next.t[i], hits.u[r] = next.u[i], hits.v[r] = next.v[i];
-            hits.object[r] = next.object[i], hits.triangle[r] = next.triangle[i];
-        }
-    }
-}
 
 void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
                        std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const
@@ -83,7 +47,6 @@ void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays
     scratch.hits.resize(queue.size());
     rays.closest(queue, 0, queue.size(), scratch.hits, ray::Sides::both, against);
     scratch.cast += queue.size();
-    pass_transparent(scene, rays, against, scratch);
 
     // Light the surfaces that they meet, and queue a ray to each light.
     scratch.shadow_rays.clear();
@@ -127,7 +90,7 @@ void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays
                     scratch.shadow_rays.push(from, 0, at.position - from, ray::k_shadow_ray_end);
                 const glm::vec3 radiance = exitance * sample.irradiance * (cosine / static_cast<float>(k_pi));
                 const float at_point = std::max(glm::dot(direction, receivers[k].normal), k_least_cosine);
-                scratch.lit.push_back({k, scratch.through[i] * radiance * (near * weight), direction / at_point});
+                scratch.lit.push_back({k, radiance * (near * weight), direction / at_point});
             }
         }
     }
@@ -136,14 +99,11 @@ void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays
     scratch.cast += shadow_rays;
     scratch.occluded.resize(shadow_rays + ray::k_packet_pad);
     rays.occluded(scratch.shadow_rays, 0, shadow_rays, scratch.occluded.data(), against);
-    const bool thins = rays.thins_light();
-    scratch.passes.resize(thins ? shadow_rays : 0);
-    if (thins) rays.let_through(scratch.shadow_rays, 0, shadow_rays, scratch.passes.data(), ray::Against::static_only);
     for (std::size_t s = 0; s < shadow_rays; ++s) {
         if (scratch.occluded[s]) continue;
         const Scratch::Lit& lit = scratch.lit[s];
-        const glm::vec3 light = thins ? lit.light * scratch.passes[s] : lit.light;
-        for (int colour = 0; colour < 3; ++colour) answers[lit.receiver].light[colour] += light[colour] * lit.direction;
+        for (int colour = 0; colour < 3; ++colour)
+            answers[lit.receiver].light[colour] += lit.light[colour] * lit.direction;
     }
 }
 

@@ -45,12 +45,9 @@ struct NearAnswer {
 class NearLight {
  public:
     struct Scratch {
-        ray::RayQueue rays, shadow_rays, onward;
-        ray::Hits hits, onward_hits;
-        std::vector<std::size_t> onward_ray;
-        std::vector<glm::vec3> through;   // by ray: the part of light that passes surfaces which do not block it
+        ray::RayQueue rays, shadow_rays;
+        ray::Hits hits;
         std::vector<std::uint8_t> occluded;
-        std::vector<glm::vec3> passes;
         struct Lit {
             std::size_t receiver;
             glm::vec3 light, direction;
@@ -66,9 +63,6 @@ class NearLight {
                 std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const;
 
  private:
-    void pass_transparent(const scene::Scene& scene, const ray::RayScene& rays, ray::Against against,
-                          Scratch& scratch) const;
-
     NearOptions options_;
     std::vector<glm::vec3> directions_;
 };

@@ -41,14 +41,6 @@ void OcclusionTester::test(const ray::RayQueue& queue, ray::Against against, std
     counters.rays += count;
 }
 
-void OcclusionTester::let_through(const ray::RayQueue& queue, std::vector<glm::vec3>& passes) const
-{
-    passes.clear();
-    if (!rays->thins_light()) return;
-    passes.resize(queue.size());
-    rays->let_through(queue, 0, queue.size(), passes.data(), ray::Against::static_only);
-}
-
 void StaticVisibility::clear()
 {
     added_.clear();
@@ -90,7 +82,6 @@ void StaticVisibility::trace_sky(const CacheFrame& frame, const OcclusionTester&
             if (above(*added.point, sky.direction(i)))
                 rays_.push(added.point->origin(), 0, sky.direction(i), k_infinity);
     tester.test(rays_, ray::Against::static_only, occluded_, counters);
-    tester.let_through(rays_, passes_);
     std::size_t r = 0;
     for (const Added& added : added_) {
         CachePoint& point = *added.point;
@@ -98,8 +89,8 @@ void StaticVisibility::trace_sky(const CacheFrame& frame, const OcclusionTester&
         for (std::size_t i = 0; i < k_sky_directions; ++i) {
             if (!above(point, sky.direction(i)) || occluded_[r++]) continue;
             point.sky.set(i);
-            const glm::vec3 light = passes_.empty() ? sky.light(i) : sky.light(i) * passes_[r - 1];
-            for (int colour = 0; colour < 3; ++colour) point.static_light[colour] += light[colour] * sky.direction(i);
+            for (int colour = 0; colour < 3; ++colour)
+                point.static_light[colour] += sky.light(i)[colour] * sky.direction(i);
         }
     }
 }
@@ -134,16 +125,10 @@ void PresentLight::correct_sky(const CacheFrame& frame, CachePoint& point)
             hidden |= near;
             return false;
         });
-    if (!hidden.any()) return;
-    hidden_rays_.clear();
-    hidden.for_each([&](std::size_t i) { hidden_rays_.push(point.origin(), 0, sky.direction(i), k_infinity); });
-    OcclusionTester{frame.rays}.let_through(hidden_rays_, passes_);
-    std::size_t r = 0;
     hidden.for_each([&](std::size_t i) {
-        const glm::vec3 light = passes_.empty() ? sky.light(i) : sky.light(i) * passes_[r++];
-        point.add_light(-light, sky.direction(i));
+        point.add_light(-sky.light(i), sky.direction(i));
         rays_.push(point.origin(), 0, sky.direction(i), k_infinity);
-        contributions_.push_back({&point, light, sky.direction(i)});
+        contributions_.push_back({&point, sky.light(i), sky.direction(i)});
     });
 }
 
@@ -183,14 +168,8 @@ void PresentLight::add_arriving(const OcclusionTester& tester, const ray::RayQue
     if (count == 0) return;
     tester.test(rays, against, occluded_, counters);
     counters.rays_dynamic += count;
-    // Light of the static scene has been thinned by static surfaces already.
-    passes_.clear();
-    if (against == ray::Against::everything) tester.let_through(rays, passes_);
-    for (std::size_t r = 0; r < count; ++r) {
-        if (occluded_[r]) continue;
-        const glm::vec3 flux = passes_.empty() ? contributions[r].flux : contributions[r].flux * passes_[r];
-        contributions[r].point->add_light(flux, contributions[r].direction);
-    }
+    for (std::size_t r = 0; r < count; ++r)
+        if (!occluded_[r]) contributions[r].point->add_light(contributions[r].flux, contributions[r].direction);
 }
 
 void end_corrections(CachePoint& point)

@@ -22,8 +22,6 @@ struct OcclusionTester {
     /// Sets occluded[i] for each ray of the queue; padded for packets.
     void test(const ray::RayQueue& queue, ray::Against against, std::vector<std::uint8_t>& occluded,
               CacheCounters& counters) const;
-    /// What static surfaces let through of each ray's light; empty where none thins light.
-    void let_through(const ray::RayQueue& queue, std::vector<glm::vec3>& passes) const;
 };
 
 /// The static visibility of new points.
@@ -35,7 +33,6 @@ class StaticVisibility {
     /// Adds a point with its cut: the nodes, and what a unit of flux of each brings.
     void add(const CacheFrame& frame, CachePoint& point, std::span<const NodeId> cut, std::span<const float> weight);
     /// Traces a ray to each node, and calls store(point, nodes) in order, where `nodes` are those that are visible.
-    /// Their weights are what static surfaces in between let through (RayScene::let_through), as luminance.
     template <class Store>
     void trace_nodes(const OcclusionTester& tester, CacheCounters& counters, const Store& store);
     /// Traces rays to the sky, and adds the light of visible directions to the points' static light.
@@ -52,7 +49,6 @@ class StaticVisibility {
     std::vector<float> weights_;   // by ray
     std::vector<SeenNode> seen_;   // of one point
     std::vector<std::uint8_t> occluded_;
-    std::vector<glm::vec3> passes_;   // by ray; empty: all of it
 };
 
 /// Corrections of static light by what dynamic objects change in this frame.
@@ -79,8 +75,7 @@ class PresentLight {
     void add_arriving(const OcclusionTester& tester, const ray::RayQueue& rays,
                       const std::vector<Contribution>& contributions, ray::Against against, CacheCounters& counters);
 
-    ray::RayQueue rays_, bounce_rays_, hidden_rays_;
-    std::vector<glm::vec3> passes_;
+    ray::RayQueue rays_, bounce_rays_;
     std::vector<Contribution> contributions_, bounces_;
     std::vector<std::uint8_t> occluded_;
 };
@@ -93,11 +88,6 @@ template <class Store>
 void StaticVisibility::trace_nodes(const OcclusionTester& tester, CacheCounters& counters, const Store& store)
 {
     tester.test(rays_, ray::Against::static_only, occluded_, counters);
-    tester.let_through(rays_, passes_);
-    for (std::size_t r = 0; r < passes_.size(); ++r) {
-        weights_[r] *= luminance(passes_[r]);
-        if (!(weights_[r] > 0)) occluded_[r] = 1;
-    }
     for (std::size_t a = 0; a < added_.size(); ++a) {
         const std::size_t last = a + 1 < added_.size() ? added_[a + 1].first : rays_.size();
         seen_.clear();

@@ -128,8 +128,7 @@ bool RayScene::thins_light() const
     return impl_->thins_light;
 }
 
-void RayScene::let_through(const RayQueue& rays, std::size_t begin, std::size_t end, glm::vec3* to,
-                           Against against) const
+void RayScene::let_through(const RayQueue& rays, std::size_t begin, std::size_t end, glm::vec3* to) const
 {
     const Impl& in = *impl_;
     std::fill(to, to + (end - begin), glm::vec3(1));
@@ -141,8 +140,7 @@ void RayScene::let_through(const RayQueue& rays, std::size_t begin, std::size_t 
     for (std::size_t at = begin; at < end; at += step) {
         const int count = static_cast<int>(std::min(step, end - at));
         for (const SceneHandle* tree : {&in.still, &in.moving}) {
-            if (tree == &in.moving && (in.solid_of_instance.empty() || against == Against::static_only)) break;
-            if (tree == &in.still && against == Against::dynamic_only) continue;
+            if (tree == &in.moving && in.solid_of_instance.empty()) break;
             hits.clear();
             thin_packet(in.width, tree->get(), context, rays, at, count);
             // Each surface counts once. Multiply in the order of the factors: surfaces' numbers depend on the history
