@@ -89,6 +89,8 @@ int run_program(const std::vector<std::string>& arguments)
             write_standard_output(line.version ? fmt::format("gnomon {}\n", version()) : help_text(line.subcommand));
             return k_exit_done;
         }
+        if (options::find_option(line.subcommand->subcommand, "time-limit") && line.values.given("time-limit"))
+            start_time_limit(line.values.number("time-limit"));
         return run_subcommand(line);
     } catch (const UsageError& error) {
         return fail(k_exit_usage, error.what());
@@ -97,7 +99,8 @@ int run_program(const std::vector<std::string>& arguments)
     } catch (const MissingError& error) {
         return fail(k_exit_missing, error.what());
     } catch (const InterruptedError& error) {
-        return fail(k_exit_interrupted, error.what());
+        return fail(k_exit_interrupted,
+                    out_of_time() ? fmt::format("{}: the time limit has passed", error.what()) : error.what());
     } catch (const std::bad_alloc&) {
         return fail(k_exit_missing, "out of memory");
     } catch (const std::exception& error) {

@@ -3,9 +3,11 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <exception>
 #include <new>
@@ -16,12 +18,17 @@ namespace gnomon::cli {
 
 namespace {
 // Atomic, because the system may run the handler on any thread and other threads read the flag.
-std::atomic<bool> g_interrupted = false;
+std::atomic<bool> g_interrupted = false, g_out_of_time = false;
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler must not take a lock");
 
 extern "C" void note_signal(int)
 {
     if (g_interrupted.exchange(true)) ::_exit(k_exit_interrupted);
+}
+
+extern "C" void note_time(int)
+{
+    if (!g_interrupted.exchange(true)) g_out_of_time = true;
 }
 
 // Allocates no memory, because memory may be exhausted.
@@ -72,6 +79,25 @@ void fill_standard_descriptors()
         descriptor = ::open("/", O_RDONLY | O_DIRECTORY);
     } while (descriptor >= 0 && descriptor <= STDERR_FILENO);
     if (descriptor >= 0) ::close(descriptor);
+}
+
+void start_time_limit(double seconds)
+{
+    struct sigaction action = {};
+    action.sa_handler = note_time;
+    sigemptyset(&action.sa_mask);
+    ::sigaction(SIGALRM, &action, nullptr);
+    struct itimerval timer = {};
+    double whole = 0;
+    timer.it_value.tv_usec = static_cast<suseconds_t>(1e6 * std::modf(seconds, &whole));
+    timer.it_value.tv_sec = static_cast<time_t>(whole);
+    if (timer.it_value.tv_sec == 0 && timer.it_value.tv_usec == 0) timer.it_value.tv_usec = 1;   // 0 would be never
+    ::setitimer(ITIMER_REAL, &timer, nullptr);
+}
+
+bool out_of_time()
+{
+    return g_out_of_time;
 }
 
 bool interrupted()

@@ -18,7 +18,12 @@ void install_terminate_handler();
 /// would get such a descriptor and receive the text written to it.
 void fill_standard_descriptors();
 
+/// Requests a stop after some time, as a signal does.
+void start_time_limit(double seconds);
+
 /// Whether a stop was requested.
 bool interrupted();
+/// Whether it was the limit of time that requested it.
+bool out_of_time();
 
 }   // namespace gnomon::cli

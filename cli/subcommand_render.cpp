@@ -286,12 +286,15 @@ Scene load_scene(const CommandLine& line, const Progress& progress)
     const auto has = [&](const char* name) {
         return options::find_option(line.subcommand->subcommand, name) && values.given(name);
     };
-    Scene scene = load(line.positionals.at(0), {.progress = progress,
-                                                .threads = values.integer("threads"),
-                                                .strict = has("strict"),
-                                                .animation = has("animation") ? values.text("animation") : "",
-                                                .ground = has("ground") ? options::read_ground(values) : std::nullopt,
-                                                .variant = has("variant") ? values.text("variant") : ""});
+    Scene scene = load(
+        line.positionals.at(0),
+        {.progress = progress,
+         .threads = values.integer("threads"),
+         .strict = has("strict"),
+         .animation = has("animation") ? values.text("animation") : "",
+         .ground = has("ground") ? options::read_ground(values) : std::nullopt,
+         .variant = has("variant") ? values.text("variant") : "",
+         .memory = has("memory") && values.integer("memory") > 0 ? values.integer("memory") : LoadOptions{}.memory});
     if (has("fps")) scene = scene.at_rate(values.number("fps"));
     if (has("light")) scene = scene.with_light_specs(values.all("light"));
     if (has("lights")) scene = scene.with_lights(values.integer("lights"));

@@ -216,8 +216,9 @@ void ViewSession::load_loop(const std::stop_token& stop)
                                       .strict = recipe.strict,
                                       .animation = recipe.animation,
                                       .ground = recipe.ground,
-                                      .variant = recipe.variant};
-            const bool same = loaded_options_.strict == options.strict &&
+                                      .variant = recipe.variant,
+                                      .memory = recipe.memory};
+            const bool same = loaded_options_.strict == options.strict && loaded_options_.memory == options.memory &&
                               loaded_options_.animation == options.animation &&
                               loaded_options_.ground == options.ground && loaded_options_.variant == options.variant;
             if (!loaded_ || loaded_file_ != recipe.what || loaded_time_ != time || !same) {

@@ -49,6 +49,7 @@ SceneRecipe ViewSettings::recipe(const std::string& scene) const
     if (values_.given("environment")) recipe.environment = values_.text("environment");
     recipe.ground = options::read_ground(values_);
     recipe.strict = values_.flag("strict");
+    if (const int memory = values_.integer("memory"); memory > 0) recipe.memory = memory;
     if (values_.given("animation")) recipe.animation = values_.text("animation");
     if (values_.given("variant")) recipe.variant = values_.text("variant");
     return recipe;

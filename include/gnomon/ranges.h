@@ -37,6 +37,7 @@ inline constexpr Range depth_threshold{0, 1};                   // fraction of t
 inline constexpr Range normal_threshold{-1, 1};                 // cosine
 inline constexpr Range indirect_memory{1, 65536};               // MB
 inline constexpr Range memory{0, 1 << 24};                      // MB; 0: no limit
+inline constexpr Range time_limit{0.001, 1e9};                  // seconds
 inline constexpr Range threads{0, 1024};                        // 0: all
 }   // namespace ranges
 

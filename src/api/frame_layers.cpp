@@ -152,7 +152,7 @@ void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const Ren
 
 void check_overlay(const scene::Scene& scene, const RenderOptions& options, Size size)
 {
-    if (options.overlay == Overlay::redrawn && scene.lights.empty())
+    if (options.overlay == Overlay::redrawn && scene.lights.empty() && frame::sized_panels(scene).titles.empty())
         throw UsageError("an overlay of what was redrawn needs a light: the scene has none");
     if (options.overlay != Overlay::shadow_states) return;
     const std::size_t panels = overlay_lights(scene, options).size();

@@ -15,6 +15,16 @@
 
 namespace gnomon {
 
+namespace {
+
+io::ReadOptions read_options(const LoadOptions& options)
+{
+    if (options.memory < 1) throw UsageError(fmt::format("{} MB for a scene: expected at least 1", options.memory));
+    return {options.strict, options.animation, options.variant, static_cast<std::uint64_t>(options.memory) << 20};
+}
+
+}   // namespace
+
 Scene load(const std::string& what, const LoadOptions& options)
 {
     Interruption interruption(options.progress);
@@ -23,7 +33,7 @@ Scene load(const std::string& what, const LoadOptions& options)
     constexpr std::string_view builtin = "builtin:";
     const bool is_builtin = what.starts_with(builtin);
     scene::Scene loaded = is_builtin ? scene::make_builtin(std::string_view(what).substr(builtin.size()))
-                                     : io::load_scene(what, {}, {options.strict, options.animation, options.variant});
+                                     : io::load_scene(what, {}, read_options(options));
     if (loaded.clips.empty() && !options.animation.empty() && options.animation != "all")
         throw UsageError(fmt::format("no animation '{}': the scene has none", shown_name(options.animation)));
     if (loaded.variants.empty() && !options.variant.empty())

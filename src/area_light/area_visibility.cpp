@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 
 #include "ray/origin.h"
 #include "scene/alpha_mask.h"
@@ -16,12 +15,6 @@ using visibility::ShadowPoint;
 using visibility::TriangleId;
 
 constexpr std::size_t k_rays_at_once = 1 << 14;
-
-bool same_bits(const LightPolygon& a, const LightPolygon& b)
-{
-    return a.corners == b.corners && std::memcmp(a.corner.data(), b.corner.data(), sizeof a.corner) == 0 &&
-           std::memcmp(&a.normal, &b.normal, sizeof a.normal) == 0;
-}
 
 bool same_bits(const FlatLight& a, const FlatLight& b)
 {
@@ -96,6 +89,7 @@ void AreaVisibility::follow(const scene::SceneState& state, const ray::RayScene&
     const scene::FrameChanges& changes = state.changes();
     if (!changes.promoted.empty()) {
         lights_.clear();
+        ++triangles_version_;
         triangles_ = std::make_unique<visibility::StaticTriangles>(state, rays);
         pairs_ = std::make_unique<PlanarPairs>(*triangles_);
         dynamic_ = std::make_unique<visibility::DynamicBounds>(state, rays);
@@ -439,9 +433,7 @@ AreaCounters AreaVisibility::parts() const
     for (const auto& light : lights_)
         for (const Side* side : {light->front.get(), light->back.get()}) {
             if (!side) continue;
-            const AreaCounters c = side->shadows.counters();
-            sum.parts += c.parts, sum.listed_triangles += c.listed_triangles;
-            for (std::size_t k = 0; k < std::size(sum.states); ++k) sum.states[k] += c.states[k];
+            sum.add(side->shadows.counters());
         }
     return sum;
 }

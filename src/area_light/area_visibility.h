@@ -110,6 +110,12 @@ class AreaVisibility {
     AreaCounters parts() const;
     std::size_t bytes() const;
 
+    /// What occludes, for clusters (cluster_visibility.h): as of the last follow().
+    const visibility::StaticTriangles& triangles() const { return *triangles_; }
+    /// Increases when the static triangles were made anew.
+    std::uint64_t triangles_version() const { return triangles_version_; }
+    const visibility::DynamicBounds& dynamic() const { return *dynamic_; }
+
  private:
     struct Side;
     struct Light;
@@ -120,6 +126,7 @@ class AreaVisibility {
     AreaOptions options_;
     const ray::RayScene* rays_;
     std::unique_ptr<visibility::StaticTriangles> triangles_;
+    std::uint64_t triangles_version_ = 0;
     std::unique_ptr<PlanarPairs> pairs_;
     std::unique_ptr<visibility::DynamicBounds> dynamic_;
     visibility::DynamicTriangles dynamic_triangles_;

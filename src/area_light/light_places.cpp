@@ -2,6 +2,7 @@
 #include "area_light/light_places.h"
 
 #include <bit>
+#include <cstring>
 #include <limits>
 
 #include "base/check.h"
@@ -39,6 +40,12 @@ glm::vec2 LightPlaces::at(int row, int place) const
 {
     const float t = (static_cast<float>(place) + row_shift(row)) / k_row_places;
     return {row_start(row) + slant * t, t};
+}
+
+bool same_bits(const LightPolygon& a, const LightPolygon& b)
+{
+    return a.corners == b.corners && std::memcmp(a.corner.data(), b.corner.data(), sizeof a.corner) == 0 &&
+           std::memcmp(&a.normal, &b.normal, sizeof a.normal) == 0;
 }
 
 LightPlaces::LightPlaces(const FlatLight& light) : polygon_(light.outline)

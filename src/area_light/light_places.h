@@ -33,6 +33,8 @@ struct LightPolygon {
     glm::vec3 normal{0};                 // unit
 };
 
+bool same_bits(const LightPolygon& a, const LightPolygon& b);
+
 /// A flat light: a polygon, or what some polygons in its plane cover of it.
 struct FlatLight {
     LightPolygon outline;

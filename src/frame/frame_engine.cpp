@@ -145,16 +145,16 @@ void FrameEngine::forget()
 FrameEngine::Plan FrameEngine::plan_for(const RenderOptions& o) const
 {
     const bool has_lights = !scene_->lights.empty();
+    const auto has_emitters = [&] { return !sized_panels(*scene_).titles.empty(); };
     Plan plan;
     plan.raster = o.renderer == RenderMethod::raster;
     if (plan.raster) {
         plan.raster_indirect = o.indirect != Indirect::off;
-        if (o.overlay == Overlay::redrawn && o.shadow_textures != ShadowTextures::off && has_lights)
+        if (o.overlay == Overlay::redrawn && o.shadow_textures != ShadowTextures::off && (has_lights || has_emitters()))
             plan.shown = Shown::redrawn;
         return plan;
     }
-    if (o.overlay == Overlay::shadow_states && o.shadow_culling != ShadowCulling::off &&
-        (has_lights || !sized_panels(*scene_).titles.empty()))
+    if (o.overlay == Overlay::shadow_states && o.shadow_culling != ShadowCulling::off && (has_lights || has_emitters()))
         plan.shown = Shown::shadow_states;
     if (o.overlay == Overlay::clusters && o.indirect == Indirect::quadtree && !o.reference)
         plan.shown = Shown::clusters;

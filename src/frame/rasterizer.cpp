@@ -75,12 +75,12 @@ class VulkanRasterizer final : public Rasterizer {
                          const Progress& progress) override
     {
         const FrameCounters counters = frame_.render(state, view, options_, out, progress);
-        if (options_.ids && views_) note_redrawn(state);
+        if (options_.ids) note_redrawn(state);
         return counters;
     }
     void paint_redrawn(double exposure, ImageF& color) const override
     {
-        GNOMON_CHECK(views_ && options_.ids);
+        GNOMON_CHECK(options_.ids);
         raster::paint_redrawn(ids_, redrawn_, exposure, color);
     }
     std::string device() const override { return device_->info().name; }
@@ -89,7 +89,10 @@ class VulkanRasterizer final : public Rasterizer {
  private:
     void note_redrawn(const scene::SceneState& state)
     {
-        std::vector<raster::Redrawn> now = raster::redrawn_objects(*views_);
+        // The views of lights, and those of emissive clusters.
+        std::vector<raster::Redrawn> now(state.scene().objects.size(), raster::Redrawn::kept);
+        for (const light_views::LightViews* views : {views_, sized_->views()})
+            if (views) raster::add_redrawn(*views, now);
         const bool nothing =
             std::all_of(now.begin(), now.end(), [](raster::Redrawn r) { return r == raster::Redrawn::kept; });
         if (redrawn_stays_ && nothing && state.time() == redrawn_time_ && redrawn_.size() == now.size()) return;

@@ -12,8 +12,8 @@ scene::Scene load_scene(const std::filesystem::path& file, const Progress& progr
     std::string extension = file.extension().string();
     for (char& c : extension)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    if (extension == ".aff") return load_aff(file, progress);
-    if (extension == ".obj") return load_obj(file, progress);
+    if (extension == ".aff") return load_aff(file, progress, options);
+    if (extension == ".obj") return load_obj(file, progress, options);
     if (extension == ".gltf" || extension == ".glb") return load_gltf(file, progress, options);
     if (extension == ".ply") return load_ply(file, progress);
     if (extension == ".stl") return load_stl(file, progress);

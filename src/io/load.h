@@ -7,6 +7,7 @@
 #include <string>
 
 #include "gnomon/types.h"
+#include "scene/memory_budget.h"
 #include "scene/scene.h"
 
 namespace gnomon::io {
@@ -16,6 +17,7 @@ struct ReadOptions {
     bool strict = false;       // glTF: refuse every error, instead of repairing those that io/gltf/repairs.h lists
     std::string animation{};   // glTF: name or number of the clip that plays, "all", or empty
     std::string variant{};     // glTF: name of a variant, or empty
+    std::uint64_t memory = scene::MemoryBudget::k_usual;   // bytes that the file may ask for
 };
 
 /// The scene is finished (Scene::finish was called) and has no default light or camera.
@@ -24,11 +26,13 @@ scene::Scene load_scene(const std::filesystem::path& file, const Progress& progr
                         const ReadOptions& options = {});
 
 /// BART's AFF, the animated file format.
-scene::Scene load_aff(const std::filesystem::path& file, const Progress& progress = {});
+scene::Scene load_aff(const std::filesystem::path& file, const Progress& progress = {},
+                      const ReadOptions& options = {});
 
 /// Wavefront OBJ with MTL. Invalid statements are errors. Missing parts (materials, textures, normals) are replaced
 /// with a warning. Statements that are not supported (lines, curves) give a warning, too.
-scene::Scene load_obj(const std::filesystem::path& file, const Progress& progress = {});
+scene::Scene load_obj(const std::filesystem::path& file, const Progress& progress = {},
+                      const ReadOptions& options = {});
 
 /// PLY meshes, as text or binary in either byte order. Point clouds are rejected.
 scene::Scene load_ply(const std::filesystem::path& file, const Progress& progress = {});

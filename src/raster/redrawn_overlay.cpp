@@ -31,10 +31,10 @@ glm::vec3 tint_of(Redrawn what)
 
 }   // namespace
 
-std::vector<Redrawn> redrawn_objects(const light_views::LightViews& views)
+void add_redrawn(const light_views::LightViews& views, std::vector<Redrawn>& objects)
 {
-    std::vector<Redrawn> result(views.object_count(), Redrawn::kept);
-    const auto mark = [&](scene::ObjectId object, Redrawn what) { result[object] = std::max(result[object], what); };
+    GNOMON_CHECK(objects.size() >= views.object_count());
+    const auto mark = [&](scene::ObjectId object, Redrawn what) { objects[object] = std::max(objects[object], what); };
     for (const light_views::LightView& view : views.views()) {
         if (!view.shown) continue;
         for (const auto& settle : view.plan.settle) mark(settle.object, Redrawn::settled);
@@ -43,7 +43,6 @@ std::vector<Redrawn> redrawn_objects(const light_views::LightViews& views)
         for (const scene::ObjectId object : view.plan.dynamics)
             mark(object, views.is_dynamic(object) ? Redrawn::moved : Redrawn::repaired);
     }
-    return result;
 }
 
 void paint_redrawn(const IdImage& ids, const std::vector<Redrawn>& objects, double exposure, ImageF& color)

@@ -18,8 +18,9 @@ enum class Redrawn : std::uint8_t {
     moved       // red: moves, and was drawn on top of the static depths
 };
 
-/// By object, for the views' last update.
-std::vector<Redrawn> redrawn_objects(const light_views::LightViews& views);
+/// Adds what the last update of some views drew.
+/// @param objects  by object: the highest value so far
+void add_redrawn(const light_views::LightViews& views, std::vector<Redrawn>& objects);
 
 /// Paints over an image in linear light; the result is exposed, within 0 to 1.
 /// @param ids       object + 1 of each pixel, 0 for none, and another number

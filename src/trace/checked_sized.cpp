@@ -2,6 +2,9 @@
 #include "trace/checked_sized.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "ray/origin.h"
 
 namespace gnomon::trace {
 
@@ -58,7 +61,8 @@ class CheckedSized::Work final : public Worker {
         }
     }
 
-    // Whether the rays of an asked point reach every place that faces it.
+    // Whether the rays of an asked point reach every place that faces it. Places that it sees so nearly edge-on that in
+    // single precision the end of the ray may lie behind their face are not asked.
     bool sees_all(const PointBatch& batch, std::uint32_t index, std::size_t k) const
     {
         const scene::SizedLight& light = owner_.lights_->lights()[index];
@@ -70,7 +74,11 @@ class CheckedSized::Work final : public Worker {
             const scene::SizedFace& face = light.faces[light.places[i].face];
             const bool faces = glm::dot(to_place, horizon) > 0 && glm::dot(to_place, normal) > 0 &&
                                (face.two_sided || glm::dot(to_place, face.normal) < 0);
-            if (faces && seen[i] == 0) return false;
+            const glm::vec3 reach = glm::max(glm::abs(origin), glm::abs(light.places[i].position));
+            constexpr float k_rounding = 4e-7f;
+            const float before_face = (1 - ray::k_shadow_ray_end) * std::abs(glm::dot(to_place, face.normal));
+            const bool edge_on = before_face < k_rounding * std::max({reach.x, reach.y, reach.z});
+            if (faces && !edge_on && seen[i] == 0) return false;
         }
         return true;
     }

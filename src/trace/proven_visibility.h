@@ -2,17 +2,19 @@
 #pragma once
 // Visibility of lights with size by remembered, proven shadows (area_light/area_visibility.h).
 //
-// Flat lights, of one polygon or several, are answered by it; clusters, and what the technique cannot decide, by rays.
+// Flat lights, of one polygon or several, are answered by it. Clusters that rest are, where they are proven lit or dark
+// (area_light/cluster_visibility.h); other clusters, and what the technique cannot decide, by rays.
 // It outlives frames: make one for a scene state, and let it follow.
 
 #include "area_light/cell_places.h"
+#include "area_light/cluster_visibility.h"
 #include "trace/sized_visibility.h"
 
 namespace gnomon::trace {
 
 class ProvenVisibility final : public SizedVisibility {
  public:
-    explicit ProvenVisibility(const area_light::AreaOptions& options = {}) : options_(options) {}
+    explicit ProvenVisibility(const area_light::AreaOptions& options = {}) : options_(options), clusters_(options) {}
 
     /// The state must be the one of the call before, or one that continues it.
     void begin_frame(const FrameContext& frame, const scene::SizedLights& lights) override;
@@ -26,14 +28,18 @@ class ProvenVisibility final : public SizedVisibility {
 
  private:
     class Work;
-    static constexpr std::uint32_t k_sampled = 0xffffffffu;
+    void sort_lights(const scene::SizedLights& lights);
+    static constexpr std::uint32_t k_none = 0xffffffffu;
     area_light::AreaOptions options_;
     std::unique_ptr<area_light::AreaVisibility> visibility_;
-    SampledVisibility sampled_;
+    area_light::ClusterVisibility clusters_;
     const scene::SizedLights* lights_ = nullptr;
-    const scene::SceneState* state_ = nullptr;     // of the frame
-    std::uint32_t version_ = 0;                    // of the lights
-    std::vector<std::uint32_t> planar_;            // by light: index among the planar ones; k_sampled: a cluster
+    const scene::SceneState* state_ = nullptr;   // of the frame
+    const ray::RayScene* rays_ = nullptr;
+    std::uint32_t version_ = 0;            // of the lights
+    std::vector<std::uint32_t> planar_;    // by light: index among the planar ones; k_none: a cluster
+    std::vector<std::uint32_t> cluster_;   // by light: index among the clusters that rest; k_none: another
+    std::vector<area_light::AreaLight> planar_lights_;
     std::vector<area_light::CellPlaces> places_;   // by planar light
     area_light::VisibilityCounters counters_;
 };

@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "io/image/image_file.h"
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -95,6 +96,82 @@ TEST(Limits, AskWhichFramesOfALongClip)
     const Outcome outcome = run(part);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(names_in(folder.path()).size(), 4u);
+}
+
+TEST(Limits, TexturesBeyondTheMemoryAreHalved)
+{
+    constexpr int k_side = 400, k_images = 6;   // .85 MB each, with their coarser levels
+    const ScratchFolder folder;
+    std::string images, textures, materials, meshes, nodes, roots;
+    for (int i = 0; i < k_images; ++i) {
+        Image8 image(k_side, k_side, 1);
+        for (std::size_t k = 0; k < image.data.size(); ++k) image.data[k] = static_cast<std::uint8_t>(k * 7 + k / 400);
+        image.data[0] = static_cast<std::uint8_t>(i);
+        io::write_png(folder / fmt::format("{}.png", i), image);
+        const char* const comma = i > 0 ? "," : "";
+        images += fmt::format(R"({}{{"uri":"{}.png"}})", comma, i);
+        textures += fmt::format(R"({}{{"source":{}}})", comma, i);
+        materials += fmt::format(R"({}{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":{}}}}}}})", comma, i);
+        meshes += fmt::format(R"({}{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"material":{}}}]}})",
+                              comma, i);
+        nodes += fmt::format(R"({}{{"mesh":{}}})", comma, i);
+        roots += fmt::format("{}{}", comma, i);
+    }
+    constexpr std::array<float, 15> k_numbers{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1};
+    std::ofstream(folder / "numbers.bin", std::ios::binary)
+        .write(reinterpret_cast<const char*>(k_numbers.data()), sizeof k_numbers);
+    std::ofstream(folder / "scene.gltf") << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[)" << roots
+                                         << R"(]}],"nodes":[)" << nodes << R"(],"meshes":[)" << meshes
+                                         << R"(],"materials":[)" << materials << R"(],"textures":[)" << textures
+                                         << R"(],"images":[)" << images
+                                         << R"(],"buffers":[{"uri":"numbers.bin","byteLength":60}],
+        "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+                     {"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}]})";
+    const Outcome whole = run({"info", folder / "scene.gltf"}),
+                  halved = run({"info", folder / "scene.gltf", "--memory", "2"});
+    EXPECT_EQ(whole.code, 0) << whole.err;
+    EXPECT_EQ(whole.err.find("halved"), std::string::npos) << whole.err;
+    EXPECT_EQ(halved.code, 0) << halved.err;
+    EXPECT_NE(halved.err.find("textures were halved"), std::string::npos) << halved.err;
+}
+
+TEST(Limits, KeysBeyondTheMemoryAreRefused)
+{
+    constexpr int k_keys = 100'000;   // 3.2 MB as they are kept
+    const ScratchFolder folder;
+    std::vector<float> numbers;
+    for (int k = 0; k < k_keys; ++k) numbers.push_back(static_cast<float>(k));
+    numbers.resize(4 * k_keys);
+    for (const float corner : {0, 0, 0, 1, 0, 0, 0, 1, 0}) numbers.push_back(corner);
+    std::ofstream(folder / "numbers.bin", std::ios::binary)
+        .write(reinterpret_cast<const char*>(numbers.data()), static_cast<std::streamsize>(4 * numbers.size()));
+    std::ofstream(folder / "scene.gltf") << fmt::format(
+        R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
+        "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+        "buffers":[{{"uri":"numbers.bin","byteLength":{0}}}],
+        "bufferViews":[{{"buffer":0,"byteOffset":{1},"byteLength":36}},{{"buffer":0,"byteLength":{2}}},
+                       {{"buffer":0,"byteOffset":{2},"byteLength":{3}}}],
+        "accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}},
+                     {{"bufferView":1,"componentType":5126,"count":{4},"type":"SCALAR","min":[0],"max":[{5}]}},
+                     {{"bufferView":2,"componentType":5126,"count":{4},"type":"VEC3"}}],
+        "animations":[{{"channels":[{{"sampler":0,"target":{{"node":0,"path":"translation"}}}}],
+                       "samplers":[{{"input":1,"output":2}}]}}]}})",
+        4 * numbers.size(), 16 * k_keys, 4 * k_keys, 12 * k_keys, k_keys, k_keys - 1);
+    EXPECT_EQ(run({"info", folder / "scene.gltf"}).code, 0);
+    expect_failure(run({"info", folder / "scene.gltf", "--memory", "2"}), 3, "--memory");
+}
+
+TEST(Limits, TimePasses)
+{
+    const ScratchFolder folder;
+    const auto start = std::chrono::steady_clock::now();
+    expect_failure(
+        run({"render", "builtin:kinetic", "--quiet", "-o", folder / "a.png", "--samples", "64", "--time-limit", "0.5"}),
+        130, "the time limit has passed");
+    const double took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    EXPECT_LT(took, 10 * k_patience);
+    EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
 TEST(Limits, NamesInMessagesAreOneLine)

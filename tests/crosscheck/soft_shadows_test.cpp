@@ -170,6 +170,41 @@ TEST_F(SoftShadows, FramesWithMovingObjectsAreThoseOfAFreshRenderer)
     }
 }
 
+TEST_F(SoftShadows, TheOverlayOfWhatWasRedrawnShowsTheViewsOfClusters)
+{
+    // A sphere of 16 clusters is the only light. The board's depths are drawn anew in frames in which it moved.
+    SceneBuilder builder;
+    const MaterialId white = builder.material({.base_color = {0.7f, 0.7f, 0.7f}, .double_sided = true, .roughness = 1});
+    const MeshId up = builder.mesh({.positions = k_square, .indices = k_up});
+    builder.area_light({.shape = AreaLightShape::sphere, .width = 0.3f, .radiance = {9, 9, 9}},
+                       Transform::translation(0, 1.6, 0));
+    builder.instance(up, white, Transform::scaling(8, 1, 8));
+    const auto at = [](double x) { return Transform::translation(x, 0.4, 0) * Transform::scaling(0.9, 1, 0.9); };
+    const InstanceId board = builder.instance(up, white, at(0), {.mobility = Mobility::may_move});
+    Camera camera;
+    camera.transform = Transform::look_at({0, 4, 0.01}, {0, 0, 0});
+    camera.vertical_fov = 0.8;
+    builder.camera(camera);
+    const Scene scene = builder.finish();
+    RenderOptions options = options_of(RenderMethod::raster, {64, 48});
+    options.layers = false;
+    options.overlay = Overlay::redrawn;
+    Renderer renderer(options);
+    const auto share_red = [&](double x) {
+        FrameInput input;
+        input.time = 0.0;
+        input.transforms.push_back({board, at(x)});
+        const std::vector<float> pixels = renderer.render(scene, input).layers.front().copy();
+        std::size_t red = 0;
+        for (std::size_t i = 0; i < pixels.size(); i += 3) red += pixels[i] > 3 * pixels[i + 1];
+        return static_cast<double>(red) / static_cast<double>(pixels.size() / 3);
+    };
+    share_red(0);
+    EXPECT_GT(share_red(0.2), 0.03);
+    share_red(0.2);
+    EXPECT_EQ(share_red(0.2), 0.0);   // at rest, it is kept
+}
+
 TEST_F(SoftShadows, LightViewsThatAreKeptGiveTheImageOfNewOnes)
 {
     InstanceId board;

@@ -25,8 +25,12 @@ struct Stage {
     const Scene& scene() const { return *made; }
 
     // @param around  of the ball that moves: its quadrilaterals around its axis
-    explicit Stage(std::uint32_t around = 12)
+    // @param bulb    also a sphere that shines, of 16 clusters
+    explicit Stage(std::uint32_t around = 12, bool bulb = false)
     {
+        if (bulb)
+            builder.area_light({.shape = AreaLightShape::sphere, .width = 0.4f, .radiance = {3, 4, 5}},
+                               Transform::translation(0.9, 1.4, -0.6));
         const MaterialId emitter = builder.material({.base_color = {0, 0, 0}, .emissive = {4, 3, 2}});
         const MaterialId both =
             builder.material({.base_color = {0, 0, 0}, .double_sided = true, .emissive = {1, 2, 3}});
@@ -103,6 +107,54 @@ TEST(ProvenVisibility, FramesHaveTheSameBytesColdAndWarmRememberedOrNot)
         test::expect_same(forgetful.render(stage.scene(), stage.input(step)), expected);
         test::expect_same(single.render(stage.scene(), stage.input(step)), expected);
         ASSERT_FALSE(HasFailure()) << "step " << step;
+    }
+}
+
+TEST(ProvenVisibility, ClustersHaveTheSameBytesColdAndWarmRememberedOrNot)
+{
+    const Stage stage(12, true);
+    Renderer kept(options_with(ShadowCulling::certified)), forgetful(options_with(ShadowCulling::off)),
+        single(options_with(ShadowCulling::certified, 1));
+    for (const int step : {0, 1, 4, 1}) {
+        const Frame expected =
+            Renderer(options_with(ShadowCulling::certified)).render(stage.scene(), stage.input(step));
+        test::expect_same(kept.render(stage.scene(), stage.input(step)), expected);
+        test::expect_same(forgetful.render(stage.scene(), stage.input(step)), expected);
+        test::expect_same(single.render(stage.scene(), stage.input(step)), expected);
+        ASSERT_FALSE(HasFailure()) << "step " << step;
+    }
+    // Rays contradict no proof.
+    RenderOptions checked = options_with(ShadowCulling::certified);
+    checked.layers = false;
+    checked.overlay = Overlay::shadow_states;
+    EXPECT_EQ(Renderer(checked).render(stage.scene(), stage.input(0)).counters.shadow.rays_wrong, 0u);
+}
+
+TEST(ProvenVisibility, ASphereOverAFloorNeedsNoRays)
+{
+    // Its own triangles lie behind those that face the floor. A board in between costs rays where its penumbra may be,
+    // and a ball that moves where it may shadow the floor.
+    for (const int occluders : {0, 1, 2}) {
+        SceneBuilder builder;
+        const MaterialId white = builder.material({.base_color = {0.7f, 0.7f, 0.7f}, .double_sided = true});
+        const MeshId up = builder.mesh({.positions = k_square, .indices = k_up});
+        builder.area_light({.shape = AreaLightShape::sphere, .width = 0.4f, .radiance = {3, 4, 5}},
+                           Transform::translation(0, 1.4, 0));
+        builder.instance(up, white, Transform::scaling(8, 1, 8));
+        if (occluders > 0)
+            builder.instance(up, white, Transform::translation(0.3, 0.4, 0) * Transform::scaling(0.4, 1, 0.4),
+                             {.mobility = occluders == 1 ? Mobility::fixed : Mobility::may_move});
+        Camera camera;
+        camera.transform = Transform::look_at({0.5f, 2, 4}, {0, 0, 0});
+        camera.vertical_fov = 0.8;
+        builder.camera(camera);
+        const Scene scene = builder.finish();
+        const FrameCounters::Shadow counts =
+            Renderer(options_with(ShadowCulling::certified)).render(scene, 1).counters.shadow;
+        // Were every point to trace rays to all places that face it, there would be millions.
+        EXPECT_EQ(counts.rays > 0, occluders > 0);
+        EXPECT_LT(counts.rays, 300'000u) << occluders;
+        EXPECT_EQ(counts.rays_dynamic_only > 0, occluders == 2);
     }
 }
 

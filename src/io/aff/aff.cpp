@@ -114,7 +114,7 @@ class Reader {
 // --- Files
 
 Reader::Reader(const fs::path& file, const AffOptions& options)
-    : main_file_(file), options_(options), builder_(options.scene, options.shapes)
+    : main_file_(file), options_(options), builder_(options.scene, options.shapes, options.memory)
 {
     std::error_code error;
     folder_ = fs::canonical(file.has_parent_path() ? file.parent_path() : fs::path("."), error);
@@ -495,9 +495,11 @@ scene::Scene load_aff(const fs::path& file, const Progress& progress, const AffO
     return Reader(file, options).read(report);
 }
 
-scene::Scene load_aff(const fs::path& file, const Progress& progress)
+scene::Scene load_aff(const fs::path& file, const Progress& progress, const ReadOptions& options)
 {
-    return load_aff(file, progress, AffOptions{});
+    AffOptions own;
+    own.memory = options.memory;
+    return load_aff(file, progress, own);
 }
 
 }   // namespace gnomon::io

@@ -22,8 +22,9 @@ struct AffOptions {
     std::size_t max_include_depth = 32;
     std::size_t max_includes = 1u << 16;
     std::int64_t max_frames = 1'000'000;
-    std::int64_t max_resolution = 16384;   // pixels on a side
-    std::int64_t max_pixels = 1 << 25;     // of a resolution: 7680 x 4320 has fewer
+    std::int64_t max_resolution = 16384;                   // pixels on a side
+    std::int64_t max_pixels = 1 << 25;                     // of a resolution: 7680 x 4320 has fewer
+    std::uint64_t memory = scene::MemoryBudget::k_usual;   // bytes of textures
 };
 
 /// Statistics of an import.

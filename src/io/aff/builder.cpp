@@ -66,6 +66,7 @@ std::uint32_t AffBuilder::current_material()
 scene::TextureId AffBuilder::add_texture(const std::string& name, const Image8& image)
 {
     scene_.textures.emplace_back(name, image, true, scene::Sampler{});
+    memory_.fit(scene_.textures);
     return static_cast<scene::TextureId>(scene_.textures.size() - 1);
 }
 
@@ -297,6 +298,8 @@ scene::Scene AffBuilder::finish()
     flush();
     place_tracks();
     place_camera();
+    if (std::string halved = memory_.warning(scene_.textures); !halved.empty())
+        scene_.warnings.push_back(std::move(halved));
     scene_.finish();
     return std::move(scene_);
 }

@@ -14,6 +14,7 @@
 
 #include "io/aff/shapes.h"
 #include "io/aff/tracks.h"
+#include "scene/memory_budget.h"
 #include "scene/scene.h"
 
 namespace gnomon::io {
@@ -36,7 +37,12 @@ struct AffCorner {
 
 class AffBuilder {
  public:
-    AffBuilder(const AffSceneLimits& limits, const AffShapeOptions& shapes) : limits_(limits), shapes_(shapes) {}
+    /// @param memory  bytes of textures
+    AffBuilder(const AffSceneLimits& limits, const AffShapeOptions& shapes,
+               std::uint64_t memory = scene::MemoryBudget::k_usual)
+        : limits_(limits), shapes_(shapes), memory_(memory)
+    {
+    }
 
     /// Why the scene is too large, or empty. Call after every statement.
     std::string limit_exceeded() const;
@@ -102,6 +108,7 @@ class AffBuilder {
 
     AffSceneLimits limits_;
     AffShapeOptions shapes_;
+    scene::MemoryBudget memory_;
     scene::Scene scene_;
     std::vector<Open> open_;
     std::size_t deepest_ = 0;

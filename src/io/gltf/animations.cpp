@@ -273,6 +273,7 @@ class Animations {
         if (a.count > keys_left_ / each)
             context_.fail(at("/accessors", accessor), "animations have far more keys than the size of the file allows");
         keys_left_ -= a.count * each;
+        context_.memory.take(a.count * each, context_.file(), at("/accessors", accessor), "the keys of the animations");
         std::vector<double> values;
         data_.read_double(a, values);
         return values;

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <map>
+#include <span>
 #include <tuple>
 #include <vector>
 
@@ -36,10 +37,14 @@ class Materials {
 
  private:
     struct DecodedImage {
-        bool read = false;   // empty after that: there is no such file, or its format is not known
-        Image8 image;
+        bool read = false;   // without pixels after that: there is no such file, or its format is not known
+        int width = 0, height = 0, channels = 0;
+        Image8 image;   // empty where it was released
+        bool usable() const { return width > 0; }
     };
-    /// The image of a texture; null, with a warning, if it is left out.
+    /// The image of a texture, whose pixels may have been released; null, with a warning, if it is left out.
+    const DecodedImage* known_image_for(const TextureInfo& info, const std::string& pointer);
+    /// The same with its pixels; valid until release_images().
     const Image8* image_for(const TextureInfo& info, const std::string& pointer);
     scene::Sampler sampler_for(const TextureInfo& info) const;
     scene::TextureUse use(const TextureInfo& info, bool srgb, bool alpha, const std::string& pointer);
@@ -47,7 +52,10 @@ class Materials {
     void use_glossiness(const Glossiness& glossiness, bool alpha, const std::string& pointer, scene::Material& out);
     Index first_of(Index image);
     std::vector<std::uint8_t> bytes_of(Index image);
+    DecodedImage& known_image(Index image);
     const Image8& decoded_image(Index image);
+    void decode(Index image, std::span<const std::uint8_t> bytes, std::uint64_t most_pixels);
+    void release_images();
 
     const Model& model_;
     Data& data_;
@@ -60,6 +68,7 @@ class Materials {
     std::map<std::string, Index> by_source_;   // the first image with each source (a file or a range of a buffer)
     std::vector<Index> first_;                 // by image, filled on first use
     std::map<Index, DecodedImage> images_;     // by first image, like the textures
+    std::uint64_t decoded_bytes_ = 0;          // of images_
     std::map<std::tuple<Index, int, int, int, int, bool, bool>, scene::TextureId> textures_;
 };
 

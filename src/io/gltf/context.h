@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "io/gltf/repairs.h"
+#include "scene/memory_budget.h"
 
 namespace gnomon::io::gltf {
 
@@ -41,7 +42,11 @@ struct Limits {
 class Context {
  public:
     /// @param strict  faults that could be repaired are errors
-    explicit Context(std::string file, bool strict = false) : file_(std::move(file)), strict_(strict) {}
+    /// @param bytes   that the file may ask for
+    explicit Context(std::string file, bool strict = false, std::uint64_t bytes = scene::MemoryBudget::k_usual)
+        : memory(bytes), file_(std::move(file)), strict_(strict)
+    {
+    }
 
     const std::string& file() const { return file_; }
     /// @param pointer  JSON pointer [RFC 6901] into the document
@@ -61,6 +66,7 @@ class Context {
     std::vector<std::string> take_warnings();
 
     Limits limits;
+    scene::MemoryBudget memory;
 
  private:
     std::string file_;

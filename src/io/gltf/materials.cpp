@@ -161,21 +161,22 @@ std::vector<std::uint8_t> Materials::bytes_of(Index index)
     return {bytes.begin(), bytes.end()};
 }
 
-const Image8& Materials::decoded_image(Index index)
+// Decodes an image when it is first asked for.
+Materials::DecodedImage& Materials::known_image(Index index)
 {
     index = first_of(index);
     DecodedImage& image = images_[index];
-    if (image.read) return image.image;
+    if (image.read) return image;
     image.read = true;
     const std::string here = at("/images", index);
     const std::vector<std::uint8_t> bytes = bytes_of(index);
     if (bytes.empty()) {
         context_.warn(here, "has no data: its textures are left out");
-        return image.image;
+        return image;
     }
     if (format_of(bytes) == ImageFormat::other) {
         context_.warn(here, "is neither PNG nor JPEG nor WebP: its textures are left out");
-        return image.image;
+        return image;
     }
     // Bound the decoded pixels by the size of the data. Bytes of buffers are already counted.
     if (model_.images[index].uri) {
@@ -185,15 +186,42 @@ const Image8& Materials::decoded_image(Index index)
             context_.fail(here, "the images overlap so much that reading them would take too long");
         view_bytes_left_ -= bytes.size();
     }
+    decode(index, bytes, pixels_left_);
+    return image;
+}
+
+void Materials::decode(Index index, std::span<const std::uint8_t> bytes, std::uint64_t most_pixels)
+{
+    DecodedImage& image = images_[index];
+    const std::string here = at("/images", index);
     ImageLimits limits;
     limits.stored_values = true;   // [glTF 2.0, 3.8.3]: colour space information in PNG files is ignored
-    limits.max_pixels = std::min(limits.max_pixels, pixels_left_);
+    limits.max_pixels = std::min(limits.max_pixels, most_pixels);
     try {
         image.image = decode_image(bytes, here, limits);
     } catch (const InputError& error) {
         context_.fail(here, error.problem());
     }
+    image.width = image.image.width, image.height = image.image.height, image.channels = image.image.channels;
+    decoded_bytes_ += image.image.data.size();
+}
+
+// The pixels of an image that is usable. A released one is decoded again.
+const Image8& Materials::decoded_image(Index index)
+{
+    index = first_of(index);
+    const DecodedImage& image = images_[index];
+    if (image.image.empty()) decode(index, bytes_of(index), static_cast<std::uint64_t>(image.width) * image.height);
     return image.image;
+}
+
+// Releases decoded pixels if they have become many. Textures that were made of them keep their own.
+void Materials::release_images()
+{
+    constexpr std::uint64_t k_most = 256ull << 20;
+    if (decoded_bytes_ <= k_most) return;
+    for (auto& [index, image] : images_) image.image = {};
+    decoded_bytes_ = 0;
 }
 
 void Materials::check_unused()
@@ -209,7 +237,7 @@ void Materials::check_unused()
     images_.clear();
 }
 
-const Image8* Materials::image_for(const TextureInfo& info, const std::string& pointer)
+const Materials::DecodedImage* Materials::known_image_for(const TextureInfo& info, const std::string& pointer)
 {
     if (info.texture == k_absent) return nullptr;
     const Texture& texture = model_.textures[info.texture];
@@ -227,8 +255,13 @@ const Image8* Materials::image_for(const TextureInfo& info, const std::string& p
                       fmt::format("uses texture coordinates {}: only 0 and 1 are supported; left out", info.texcoord));
         return nullptr;
     }
-    const Image8& image = decoded_image(texture.source);
-    return image.empty() ? nullptr : &image;
+    const DecodedImage& image = known_image(texture.source);
+    return image.usable() ? &image : nullptr;
+}
+
+const Image8* Materials::image_for(const TextureInfo& info, const std::string& pointer)
+{
+    return known_image_for(info, pointer) ? &decoded_image(model_.textures[info.texture].source) : nullptr;
 }
 
 scene::Sampler Materials::sampler_for(const TextureInfo& info) const
@@ -239,10 +272,11 @@ scene::Sampler Materials::sampler_for(const TextureInfo& info) const
 
 scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, bool alpha, const std::string& pointer)
 {
-    const Image8* const found = image_for(info, pointer);
+    release_images();
+    const DecodedImage* const found = known_image_for(info, pointer);
     if (!found) return {};
     scene::TextureUse result = place_of(info);
-    const Image8& image = *found;
+    const DecodedImage& image = *found;
     const Texture& texture = model_.textures[info.texture];
     const scene::Sampler sampler = sampler_for(info);
     const Index first = first_of(texture.source);
@@ -262,7 +296,9 @@ scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, bool alpha,
                            : !source.name.empty() ? source.name
                                                   : fmt::format("image {}", texture.source);
         made->second = static_cast<scene::TextureId>(out_.textures.size());
-        out_.textures.emplace_back(std::move(name), drop_alpha ? without_alpha(image) : image, srgb, sampler);
+        const Image8& pixels_of = decoded_image(texture.source);
+        out_.textures.emplace_back(std::move(name), drop_alpha ? without_alpha(pixels_of) : pixels_of, srgb, sampler);
+        context_.memory.fit(out_.textures);
     }
     result.texture = made->second;
     return result;
@@ -274,6 +310,7 @@ void Materials::use_glossiness(const Glossiness& g, bool alpha, const std::strin
     const glm::vec3 diffuse(g.diffuse[0], g.diffuse[1], g.diffuse[2]);
     const glm::vec3 specular(g.specular[0], g.specular[1], g.specular[2]);
     out.alpha = g.diffuse[3];
+    release_images();
     const Image8* const diffuse_image = image_for(g.diffuse_texture, at(pointer, "diffuseTexture"));
     const Image8* const specular_image = image_for(g.specular_texture, at(pointer, "specularGlossinessTexture"));
     if (!diffuse_image && !specular_image) {
@@ -297,6 +334,7 @@ void Materials::use_glossiness(const Glossiness& g, bool alpha, const std::strin
         scene::TextureUse result = place_of(shared);
         result.texture = static_cast<scene::TextureId>(out_.textures.size());
         out_.textures.emplace_back(name, image, srgb, sampler_for(shared));
+        context_.memory.fit(out_.textures);
         return result;
     };
     const bool drop = !alpha && images.base_color.channels == 4;

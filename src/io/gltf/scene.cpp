@@ -286,7 +286,7 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
     const InterruptionScope scope(progress ? &interruption : Interruption::current());
     const auto step = [](double done) { report_progress("loading", done); };
     step(0);
-    Context context(file.string(), options.strict);
+    Context context(file.string(), options.strict, options.memory);
     const std::vector<std::uint8_t> bytes = read_whole_file(file, file.string(), context.limits.file_bytes);
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     std::string extension = file.extension().string();
@@ -323,6 +323,9 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
     Meshes meshes(model, data, materials, scene, context);
     build_scene(model, data, parent, meshes, materials, options.animation, scene, context);
     materials.check_unused();
+    context.memory.fit(scene.textures);
+    if (const std::string halved = context.memory.warning(scene.textures); !halved.empty())
+        context.warn("/images", halved);
     step(0.9);
     scene.warnings = context.take_warnings();
     scene::find_solid_blends(scene);

@@ -22,6 +22,8 @@ namespace gnomon::io {
 namespace {
 
 constexpr std::uint64_t k_largest_obj = 4ull << 30;
+// What a group and a material become, however small they are; measured.
+constexpr std::uint64_t k_bytes_per_object = 2400, k_bytes_per_material = 1800;
 constexpr std::uint64_t k_largest_mtl = 64ull << 20;
 constexpr std::size_t k_most_libraries = 256;   // files
 constexpr glm::vec3 k_default_grey{0.6f};       // of faces without a material
@@ -83,7 +85,7 @@ std::vector<MtlMaterial> read_libraries(const ObjData& data, const SceneFolder& 
 
 }   // namespace
 
-scene::Scene load_obj(const std::filesystem::path& file, const Progress& progress)
+scene::Scene load_obj(const std::filesystem::path& file, const Progress& progress, const ReadOptions& options)
 {
     Interruption interruption(progress);
     const InterruptionScope scope(progress ? &interruption : Interruption::current());
@@ -137,10 +139,15 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
                                      : fmt::format("material '{}' and {} more are not defined: grey is used",
                                                    shown(first_missing), missing - 1));
 
-    // Add meshes and textures.
+    // Add meshes and textures. A group becomes a mesh, a node and an object, however few faces it has.
+    scene::MemoryBudget memory(options.memory);
+    memory.take(data.objects.size() * k_bytes_per_object, file.string(), "", "its groups");
+    memory.take(mtl.size() * k_bytes_per_material, file.string(), "", "its materials");
     add_obj_meshes(scene, data, material_of, {});
     data = {};
-    add_obj_textures(scene, mtl, folder);
+    add_obj_textures(scene, mtl, folder, memory);
+    if (std::string halved = memory.warning(scene.textures); !halved.empty())
+        scene.warnings.push_back(std::move(halved));
     scene::find_solid_blends(scene);
     scene::find_outlines(scene);
     scene.finish();

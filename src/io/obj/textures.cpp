@@ -22,7 +22,7 @@ namespace {
 constexpr std::uint64_t k_largest_image_file = 1ull << 30;
 // Limit on texels beyond those of each file: one file may be used with many options of its map or with many masks.
 constexpr std::uint64_t k_most_repeated_texels = 1ull << 26;
-constexpr std::size_t k_batch = 8;         // textures that are made before the limit is checked
+constexpr std::size_t k_batch = 4;         // textures that are made before limits are checked
 constexpr float k_texels_per_height = 4;   // for -bm 1, white is this many texels higher than black
 constexpr int k_grey_tolerance = 12;       // of 255: in a grey JPEG, channels differ by rounding
 
@@ -207,7 +207,8 @@ Made make(const Job& job, const SceneFolder& folder)
 
 }   // namespace
 
-void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, const SceneFolder& folder)
+void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, const SceneFolder& folder,
+                      scene::MemoryBudget& memory)
 {
     // List the textures to make, each once.
     struct Use {
@@ -250,6 +251,7 @@ void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, 
     Tasks tasks;
     std::set<std::filesystem::path> seen;
     std::uint64_t repeated = 0;
+    std::vector<scene::TextureId> ids(jobs.size(), scene::none);
     for (std::size_t begin = 0; begin < jobs.size(); begin += k_batch) {
         report_progress("loading", 0.8 + 0.2 * static_cast<double>(begin) / static_cast<double>(jobs.size()));
         const std::size_t count = std::min(k_batch, jobs.size() - begin);
@@ -266,20 +268,19 @@ void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, 
                 throw InputError(texture.name(), "",
                                  fmt::format("is used for too many textures: more than {} texels repeat files",
                                              k_most_repeated_texels));
+            // Ids are in the order of the jobs, which does not depend on threads.
+            ids[i] = static_cast<scene::TextureId>(scene.textures.size());
+            scene.textures.push_back(std::move(*made[i].texture));
+            made[i].texture.reset();
         }
+        memory.fit(scene.textures);
     }
     report_progress("loading", 1);
 
-    // Assign ids in the order of the jobs, which does not depend on threads.
-    std::vector<scene::TextureId> ids(jobs.size(), scene::none);
     std::unordered_set<std::string> told;
-    for (std::size_t i = 0; i < jobs.size(); ++i) {
-        for (std::string& warning : made[i].warnings)
+    for (Made& one : made)
+        for (std::string& warning : one.warnings)
             if (told.insert(warning).second) scene.warnings.push_back(std::move(warning));
-        if (!made[i].texture) continue;
-        ids[i] = static_cast<scene::TextureId>(scene.textures.size());
-        scene.textures.push_back(std::move(*made[i].texture));
-    }
     for (const Use& use : uses) {
         scene::Material& material = scene.materials[use.material];
         material.*use.slot = use.placed;

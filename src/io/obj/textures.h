@@ -8,12 +8,14 @@
 #include "gnomon/types.h"
 #include "io/file/scene_folder.h"
 #include "io/obj/mtl.h"
+#include "scene/memory_budget.h"
 #include "scene/scene.h"
 
 namespace gnomon::io {
 
 /// Adds the textures of mtl[i] to scene.materials[i].
 /// @throws InterruptedError
-void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, const SceneFolder& folder);
+void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, const SceneFolder& folder,
+                      scene::MemoryBudget& memory);
 
 }   // namespace gnomon::io
