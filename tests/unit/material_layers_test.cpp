@@ -136,6 +136,57 @@ TEST(MaterialLayers, TexturesOfSpecularAreReadFromTheirChannels)
     EXPECT_NEAR(continue_from(moved.at(0, false, {-.5f, 0})).reflected_weight.y, .04f, 1e-4f);
 }
 
+TEST(MaterialExtensions, UnlitShowsItsColourWhateverTheLight)
+{
+    const Quad quad(extension("KHR_materials_unlit", "", R"("baseColorFactor":[0.25,0.5,0.75,1])"),
+                    "KHR_materials_unlit");
+    const SurfacePoint s = quad.at(0.5f);
+    EXPECT_EQ(s.model, scene::ShadingModel::unlit);
+    EXPECT_EQ(s.emissive, glm::vec3(0.25f, 0.5f, 0.75f));
+    EXPECT_EQ(continue_from(s).reflected_weight, glm::vec3(0));
+}
+
+TEST(MaterialExtensions, EmissiveStrengthMultipliesTheEmission)
+{
+    const Quad quad(
+        R"("emissiveFactor":[1,0.5,0.25],)" + extension("KHR_materials_emissive_strength", R"("emissiveStrength":8)"),
+        "KHR_materials_emissive_strength");
+    EXPECT_EQ(quad.at().emissive, glm::vec3(8, 4, 2));
+}
+
+TEST(MaterialExtensions, TheIndexOfRefractionSetsTheReflectance)
+{
+    for (const float ior : {1.0f, 1.33f, 1.5f, 2.4f}) {
+        const Quad quad(extension("KHR_materials_ior", fmt::format(R"("ior":{})", ior),
+                                  R"("roughnessFactor":0,"metallicFactor":0)"),
+                        "KHR_materials_ior");
+        const float root = (ior - 1) / (ior + 1);
+        EXPECT_NEAR(continue_from(quad.at()).reflected_weight.y, root * root, 1e-5f) << ior;
+    }
+}
+
+TEST(MaterialExtensions, TextureTransformsScaleTurnAndMove)
+{
+    // Left texel: linear .0, right texel: 1. Coordinates of the quad: u from left to right, v from top to bottom.
+    const auto red = [](const std::string& transform, const glm::vec2& place) {
+        const Quad quad(fmt::format(R"("pbrMetallicRoughness":{{"metallicFactor":0,"baseColorTexture":{{"index":0,)"
+                                    R"("extensions":{{"KHR_texture_transform":{{{}}}}}}}}})",
+                                    transform),
+                        "KHR_texture_transform", "000000ffffffffff");
+        return quad.at(0, false, place).diffuse.x;
+    };
+    EXPECT_NEAR(red("", {-.5f, .3f}), 0, 1e-5f);
+    EXPECT_NEAR(red("", {.5f, .3f}), 1, 1e-5f);
+    // Twice as many: a quarter of the quad is a texel.
+    EXPECT_NEAR(red(R"("scale":[2,1])", {-.25f, .3f}), 1, 1e-5f);
+    EXPECT_NEAR(red(R"("scale":[2,1])", {.25f, .3f}), 0, 1e-5f);
+    EXPECT_NEAR(red(R"("offset":[0.5,0])", {-.5f, .3f}), 1, 1e-5f);
+    // A quarter turn: u is v, of the quad's top and bottom.
+    const std::string turned = R"("rotation":1.5707963)";
+    EXPECT_NEAR(red(turned, {-.5f, .5f}), red(turned, {.5f, .5f}), 1e-5f);
+    EXPECT_NEAR(std::abs(red(turned, {0, .5f}) - red(turned, {0, -.5f})), 1, 1e-5f);
+}
+
 TEST(MaterialLayers, ClearcoatAddsItsHighlightAndTakesThatFromTheBase)
 {
     const float roughness = .5f, coat = .75f, n_h = 1;

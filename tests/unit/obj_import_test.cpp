@@ -91,14 +91,36 @@ TEST_F(ObjImport, ComputesMissingNormals)
     EXPECT_EQ(scene.meshes[0].normals[0], glm::vec3(0, 0, 1));
 }
 
+TEST_F(ObjImport, ReadsColoursOfVertices)
+{
+    // As sRGB from 0 to 1 or to 255, with or without a weight before them; white where there is none.
+    for (const char* text : {"v 0 0 0\nv 1 0 0 1 0 0.5019608\nv 1 1 0 1 0 1 0\nf 1 2 3\n",
+                             "v 0 0 0\nv 1 0 0 255 0 128\nv 1 1 0 1 0 255 0\nf 1 2 3\n"}) {
+        const scene::Scene scene = load(text);
+        ASSERT_EQ(scene.meshes[0].colors.size(), 3u);
+        EXPECT_EQ(scene.meshes[0].colors[0], glm::vec4(1));
+        EXPECT_NEAR(scene.meshes[0].colors[1].x, 1, 1e-5f);
+        EXPECT_EQ(scene.meshes[0].colors[1].y, 0);
+        EXPECT_NEAR(scene.meshes[0].colors[1].z, 0.21586f, 1e-4f);
+        EXPECT_NEAR(scene.meshes[0].colors[2].y, 1, 1e-5f);
+        EXPECT_EQ(scene.meshes[0].colors[2].w, 1);
+        // The grey of faces without a material would darken them.
+        EXPECT_EQ(scene.materials[0].base_color, glm::vec3(1));
+        EXPECT_TRUE(scene.warnings.empty());
+    }
+    EXPECT_TRUE(load(k_square + "f 1 2 3\n").meshes[0].colors.empty());
+    // A weight alone is no colour.
+    EXPECT_TRUE(load("v 0 0 0 1\nv 1 0 0 1\nv 1 1 0 1\nf 1 2 3\n").meshes[0].colors.empty());
+    EXPECT_EQ(place_of_error("v 0 0 0 1 x 0\n"), "1:11");
+}
+
 TEST_F(ObjImport, WarnsOncePerIgnoredStatement)
 {
-    const scene::Scene scene = load(
-        "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 1 1 0 1 1 1\nf 1 2\nf 1\nf 1 2 3\nl 1 2\nl 2 3\np 1\nvp 1\nvp 2\ncurv 1\n");
+    const scene::Scene scene =
+        load("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2\nf 1\nf 1 2 3\nl 1 2\nl 2 3\np 1\nvp 1\nvp 2\ncurv 1\n");
     EXPECT_EQ(scene.meshes[0].triangles.size(), 1u);
     EXPECT_TRUE(scene.meshes[0].colors.empty());
-    EXPECT_EQ(scene.warnings.size(), 5u);
-    EXPECT_TRUE(warned(scene, "colours"));
+    EXPECT_EQ(scene.warnings.size(), 4u);
     EXPECT_TRUE(warned(scene, "fewer than three"));
     EXPECT_TRUE(warned(scene, "lines"));
     EXPECT_TRUE(warned(scene, "'vp'"));

@@ -6,6 +6,7 @@
 #include <set>
 #include <unordered_map>
 
+#include "base/image.h"
 #include "base/interruption.h"
 #include "gnomon/error.h"
 
@@ -13,6 +14,7 @@ namespace gnomon::io {
 
 namespace {
 
+constexpr float k_no_color = -1;
 constexpr std::size_t k_most_unknown_keywords = 10;      // named in warnings; a binary file may have thousands
 constexpr std::uint32_t k_statements_a_step = 1 << 10;   // between two reports of progress
 
@@ -75,10 +77,35 @@ class Parser {
         }
         data_.positions.emplace_back(p[0], p[1], p[2]);
         // Accept a weight (for curves), a colour, or both.
+        glm::vec4 last(1);
         int more = 0;
-        while (!text_.at_end()) text_.number("a number"), ++more;
-        if (more >= 3) warn_once("vertex colours are ignored");
+        while (!text_.at_end()) last = {last.y, last.z, last.w, text_.number("a number")}, ++more;
+        if (more >= 3) color({last.y, last.z, last.w});
         known();
+    }
+
+    // Stores the colour of the last position, as it is in the file; those before it without one are white.
+    void color(const glm::vec3& encoded)
+    {
+        const glm::vec3 c = glm::clamp(encoded, 0.0f, 255.0f);
+        most_color_ = std::max({most_color_, c.x, c.y, c.z});
+        data_.colors.resize(data_.positions.size() - 1, glm::vec4(k_no_color));
+        data_.colors.emplace_back(c, 1);
+    }
+
+    // Converts sRGB values, of 0 to 1 or of 0 to 255, to linear ones.
+    void finish_colors()
+    {
+        if (data_.colors.empty()) return;
+        data_.colors.resize(data_.positions.size(), glm::vec4(k_no_color));
+        const float scale = most_color_ > 1 ? 1 / 255.0f : 1;
+        for (glm::vec4& c : data_.colors) {
+            if (c.w == k_no_color) {
+                c = glm::vec4(1);
+                continue;
+            }
+            for (int i = 0; i < 3; ++i) c[i] = linear_from_srgb(scale * c[i]);
+        }
     }
 
     void texcoord()
@@ -173,6 +200,7 @@ class Parser {
     void finish()
     {
         if (!any_known_) throw InputError(text_.file(), "", "contains no OBJ statement");
+        finish_colors();
         const std::size_t have[3] = {data_.positions.size(), data_.texcoords.size(), data_.normals.size()};
         const char* const what[3] = {"vertex", "texture coordinate", "normal"};
         // Accept files that omit all normals but not their indices, because normals can be computed.
@@ -213,6 +241,7 @@ class Parser {
     std::uint32_t material_ = 0;
     std::uint32_t smoothing_ = ObjFace::k_unset;
     Ahead ahead_[3];
+    float most_color_ = 0;
     std::set<std::string, std::less<>> unknown_;
     std::set<std::string_view> warned_;
     bool any_known_ = false;

@@ -32,27 +32,38 @@ std::uint64_t hash(const VertexKey& key)
     return h ^ (h >> 31);
 }
 
-// Vertices of one mesh by key: open addressing, at most half full.
+// Vertices of one mesh by key: open addressing, at most half full. It grows with the vertices, which are a quarter of
+// the corners in most files.
 class VertexTable {
  public:
-    explicit VertexTable(std::size_t most) : slots_(std::bit_ceil(2 * most + 2), k_no_index) {}
-
     std::uint32_t find_or_add(const VertexKey& key)
     {
-        const std::size_t mask = slots_.size() - 1;
-        for (std::size_t at = hash(key) & mask;; at = (at + 1) & mask) {
-            if (slots_[at] == k_no_index) {
-                slots_[at] = static_cast<std::uint32_t>(keys_.size());
-                keys_.push_back(key);
-                return slots_[at];
-            }
-            if (keys_[slots_[at]] == key) return slots_[at];
+        if (2 * keys_.size() >= slots_.size()) grow();
+        std::uint32_t& slot = slot_of(key);
+        if (slot == k_no_index) {
+            slot = static_cast<std::uint32_t>(keys_.size());
+            keys_.push_back(key);
         }
+        return slot;
     }
     const std::vector<VertexKey>& keys() const { return keys_; }
 
  private:
-    std::vector<std::uint32_t> slots_;
+    // The slot of a key, or the free one where it belongs.
+    std::uint32_t& slot_of(const VertexKey& key)
+    {
+        const std::size_t mask = slots_.size() - 1;
+        std::size_t at = hash(key) & mask;
+        while (slots_[at] != k_no_index && !(keys_[slots_[at]] == key)) at = (at + 1) & mask;
+        return slots_[at];
+    }
+    void grow()
+    {
+        slots_.assign(2 * slots_.size(), k_no_index);
+        for (std::size_t i = 0; i < keys_.size(); ++i) slot_of(keys_[i]) = static_cast<std::uint32_t>(i);
+    }
+
+    std::vector<std::uint32_t> slots_ = std::vector<std::uint32_t>(16, k_no_index);   // a power of two
     std::vector<VertexKey> keys_;
 };
 
@@ -96,7 +107,7 @@ void add_obj_meshes(scene::Scene& scene, const ObjData& data, const std::vector<
 
         scene::Mesh mesh;
         mesh.name = data.objects[o];
-        VertexTable vertices(normals.size());
+        VertexTable vertices;
         bool any_normal = false, any_texcoord = false;
         std::size_t corner = 0;
         // Triangulate the faces.

@@ -37,11 +37,12 @@ bool smooth_together(const Incident& a, const Incident& b, double least_cosine)
     return a.smoothing != ObjFace::k_unset || glm::dot(a.normal, b.normal) >= least_cosine;
 }
 
+// Sets the normals of the corners that have none, each of which is one of the incidents of one vertex.
 void smooth_vertex(std::span<const Incident> at, double least_cosine, std::vector<glm::vec3>& normals)
 {
     if (at.size() <= k_most_pairs) {
         for (const Incident& a : at) {
-            if (a.smoothing == 0) continue;
+            if (a.smoothing == 0 || normals[a.corner] != glm::vec3(0)) continue;
             glm::dvec3 sum(0);
             for (const Incident& b : at)
                 if (smooth_together(a, b, least_cosine)) sum += b.angle * b.normal;
@@ -63,7 +64,8 @@ void smooth_vertex(std::span<const Incident> at, double least_cosine, std::vecto
         bundles[bundle_of[i]].second += at[i].angle * at[i].normal;
     }
     for (std::size_t i = 0; i < at.size(); ++i)
-        if (bundle_of[i] != k_no_index) normals[at[i].corner] = unit_or_zero(bundles[bundle_of[i]].second);
+        if (bundle_of[i] != k_no_index && normals[at[i].corner] == glm::vec3(0))
+            normals[at[i].corner] = unit_or_zero(bundles[bundle_of[i]].second);
 }
 
 }   // namespace
@@ -71,10 +73,16 @@ void smooth_vertex(std::span<const Incident> at, double least_cosine, std::vecto
 std::vector<glm::vec3> corner_normals(const ObjData& data, std::span<const std::uint32_t> faces,
                                       const ObjNormalOptions& options, std::vector<std::uint32_t>& positions_used)
 {
+    struct Contributing {
+        glm::dvec3 normal;                        // of the face, unit
+        std::uint32_t first, corner, smoothing;   // its first contribution, and its corner
+    };
     std::vector<glm::vec3> normals;
-    std::vector<std::uint32_t> corner_position;   // of corners that need a normal
-    std::vector<std::uint32_t> used;              // positions in order of first use
-    std::vector<Incident> incidents;
+    std::vector<Contributing> contributing;
+    // By contribution. They are few bytes each, because a file of a gigabyte has tens of millions of them.
+    std::vector<double> angles;
+    std::vector<std::uint32_t> face_of, slot_of;
+    std::vector<std::uint32_t> used;   // positions in order of first use
     std::vector<glm::vec3> points;
 
     for (const std::uint32_t f : faces) {
@@ -92,36 +100,41 @@ std::vector<glm::vec3> corner_normals(const ObjData& data, std::span<const std::
         // Record the face's contribution to each of its vertices.
         points.clear();
         for (std::uint32_t i = 0; i < face.corner_count; ++i) points.push_back(data.positions[corners[i].position]);
-        const glm::dvec3 normal = glm::dvec3(unit_or_zero(newell_normal(points)));
         const std::size_t n = face.corner_count;
+        contributing.push_back({glm::dvec3(unit_or_zero(newell_normal(points))),
+                                static_cast<std::uint32_t>(slot_of.size()),
+                                static_cast<std::uint32_t>(normals.size() - n), face.smoothing});
         for (std::size_t i = 0; i < n; ++i) {
             const glm::dvec3 p(points[i]);
-            const double angle =
-                angle_between(glm::dvec3(points[(i + 1) % n]) - p, glm::dvec3(points[(i + n - 1) % n]) - p);
-            const auto corner = static_cast<std::uint32_t>(normals.size() - n + i);
-            incidents.push_back({corner, face.smoothing, normal, angle});
+            angles.push_back(
+                angle_between(glm::dvec3(points[(i + 1) % n]) - p, glm::dvec3(points[(i + n - 1) % n]) - p));
+            face_of.push_back(static_cast<std::uint32_t>(contributing.size() - 1));
             std::uint32_t& slot = positions_used[corners[i].position];
             if (slot == k_no_index) {
                 slot = static_cast<std::uint32_t>(used.size());
                 used.push_back(corners[i].position);
             }
-            corner_position.push_back(slot);
+            slot_of.push_back(slot);
         }
     }
 
     // Group the contributions by vertex (stable counting sort) and smooth each vertex.
     std::vector<std::uint32_t> begin(used.size() + 1, 0);
-    for (const std::uint32_t slot : corner_position) ++begin[slot + 1];
+    for (const std::uint32_t slot : slot_of) ++begin[slot + 1];
     for (std::size_t i = 0; i < used.size(); ++i) begin[i + 1] += begin[i];
-    std::vector<Incident> sorted(incidents.size());
-    std::vector<std::uint32_t> fill = begin;
-    for (std::size_t i = 0; i < incidents.size(); ++i) sorted[fill[corner_position[i]]++] = incidents[i];
-    const std::vector<glm::vec3> given = normals;
+    std::vector<std::uint32_t> sorted(slot_of.size()), fill = begin;
+    for (std::size_t i = 0; i < slot_of.size(); ++i) sorted[fill[slot_of[i]]++] = static_cast<std::uint32_t>(i);
     const double least_cosine = std::cos(static_cast<double>(options.crease_angle));
-    for (std::size_t i = 0; i < used.size(); ++i)
-        smooth_vertex(std::span(sorted).subspan(begin[i], begin[i + 1] - begin[i]), least_cosine, normals);
-    for (std::size_t i = 0; i < given.size(); ++i)
-        if (given[i] != glm::vec3(0)) normals[i] = given[i];
+    std::vector<Incident> at;
+    for (std::size_t v = 0; v < used.size(); ++v) {
+        at.clear();
+        for (std::uint32_t k = begin[v]; k < begin[v + 1]; ++k) {
+            const std::uint32_t i = sorted[k];
+            const Contributing& face = contributing[face_of[i]];
+            at.push_back({face.corner + (i - face.first), face.smoothing, face.normal, angles[i]});
+        }
+        smooth_vertex(at, least_cosine, normals);
+    }
 
     for (const std::uint32_t p : used) positions_used[p] = k_no_index;
     return normals;

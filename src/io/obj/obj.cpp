@@ -126,7 +126,7 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
         if (grey == scene::none) {
             grey = static_cast<scene::MaterialId>(scene.materials.size());
             MtlMaterial plain;
-            plain.diffuse = k_default_grey;
+            plain.diffuse = data.colors.empty() ? k_default_grey : glm::vec3(1);
             plain.name = "default";
             mtl.push_back(plain);
             scene.materials.push_back(material_from_mtl(plain, scene.warnings));
