@@ -313,7 +313,7 @@ constexpr Option k_options[] = {
      .subcommands = k_every & ~(bit(bench_culling) | bit(bench_shadow_textures)), .group = k_common, .help = "number of threads, 0: all; does not change images"},
     {.name = "time-limit", .argument = "SECONDS", .kind = Kind::number, .range = ranges::time_limit,
      .subcommands = k_every & ~bit(view), .group = k_common,
-     .help = "stop after so much time, as an interruption does: exit code 130; --resume continues"},
+     .help = "stop after so much time, as an interruption does: exit code 130"},
     {.name = "strict", .subcommands = k_scened | bit(info), .group = k_common,
      .help = "refuse a glTF file with any error, instead of repairing harmless ones with a warning"},
     {.name = "quiet", .subcommands = k_every, .group = k_common, .help = "print only errors"},
