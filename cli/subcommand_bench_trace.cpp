@@ -26,6 +26,7 @@ int run_bench_trace(const CommandLine& line, Output& output)
     options.camera = scene::find_camera(*api::scene_of(scene), values.text("camera"));
     options.threads = values.integer("threads");
     options.max_depth = values.integer("max-depth");
+    options.arithmetic = values.choice<Arithmetic>("isa");
     const bench::TraceBenchResult result = bench::bench_trace(api::scene_of(scene), options);
 
     const double load_ms = load.count() + result.build_ms;   // from opening the file to the first ray

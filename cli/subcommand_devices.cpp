@@ -5,6 +5,7 @@
 
 #include "base/machine.h"
 #include "cli/subcommands.h"
+#include "gnomon/arithmetic.h"
 #include "gnomon/devices.h"
 
 namespace gnomon::cli {
@@ -63,6 +64,7 @@ int run_devices(const CommandLine&, Output& output)
     output.say(fmt::format("processor  {}", gnomon::processor_name()));
     output.say(fmt::format("threads    {}", gnomon::processor_threads()));
     output.say(fmt::format("features   {}", present));
+    output.say(fmt::format("in use     {}", gnomon::instruction_set_name()));
     output.say(fmt::format("packets    {} rays", devices.packet_width));
     Json vulkan = describe_vulkan(devices, output);
 
@@ -70,6 +72,7 @@ int run_devices(const CommandLine&, Output& output)
                     {{"name", gnomon::processor_name()},
                      {"threads", gnomon::processor_threads()},
                      {"packet_width", devices.packet_width},
+                     {"instruction_set", std::string(gnomon::instruction_set_name())},
                      {"features", std::move(features)}}},
                    {"vulkan", std::move(vulkan)}});
     return 0;

@@ -179,6 +179,8 @@ Json document_of(const CommandLine& line, const VideoResult& result, const Rende
                      {"scene", line.positionals[0]},
                      {"renderer", line.values.text("renderer")},
                      {"device", device_of(device, options)},
+                     {"isa", line.values.text("isa")},
+                     {"instruction_set", std::string(instruction_set_name())},
                      {"width", result.size.width},
                      {"height", result.size.height}};
     if (reference) {
@@ -269,6 +271,12 @@ int run_render(const CommandLine& line, Output& output)
                                                r.frame, r.milliseconds, r.counters.shadow.rays,
                                                r.counters.reflection_rays, r.counters.refraction_rays));
         });
+    if (!result.discarded.empty())
+        output.warn(fmt::format("frames of {} were there; they are rendered again", result.discarded));
+    output.detail(fmt::format("instruction set: {}; rays are traced by {}", instruction_set_name(),
+                              renderer.options().arithmetic == Arithmetic::portable
+                                  ? "code with the same results on every processor (--isa auto)"
+                                  : "Embree's code for it (--isa native)"));
     for (const std::string& warning : scene.info().warnings) output.warn(warning);
     warn_about_history(values, output);
     const std::chrono::duration<double> span = std::chrono::steady_clock::now() - start;

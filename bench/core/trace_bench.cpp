@@ -35,6 +35,7 @@ TraceBenchResult bench_trace(const std::shared_ptr<const scene::Scene>& scene, c
     render.max_depth = options.max_depth;
     render.shadow_culling = ShadowCulling::off;
     render.indirect = Indirect::off;
+    render.arithmetic = options.arithmetic;
     frame::FrameEngine engine({.threads = options.threads});
     engine.advance(scene, time, render);
 

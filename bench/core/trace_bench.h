@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "gnomon/arithmetic.h"
 #include "gnomon/types.h"
 #include "scene/scene.h"
 
@@ -17,6 +18,7 @@ struct TraceBenchOptions {
     scene::CameraId camera = 0;
     int threads = 0;   // threads for the frame, 0: all; the bare loop runs on one
     int max_depth = 10;
+    Arithmetic arithmetic = Arithmetic::portable;
     int repeats = 7;   // runs; times are medians over them
 };
 

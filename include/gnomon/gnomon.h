@@ -2,6 +2,7 @@
 #pragma once
 // Includes the whole public interface: load a scene, render images of it.
 
+#include "gnomon/arithmetic.h"
 #include "gnomon/compare.h"
 #include "gnomon/devices.h"
 #include "gnomon/error.h"

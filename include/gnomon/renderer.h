@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "gnomon/arithmetic.h"
 #include "gnomon/frame.h"
 #include "gnomon/frame_input.h"
 #include "gnomon/frame_report.h"
@@ -84,6 +85,8 @@ struct RenderOptions {
     int indirect_memory = 16;   // Indirect::visible: MB of irradiance cache; changes time, not images
     IndirectOn indirect_on = IndirectOn::automatic;
     Accelerator accelerator = Accelerator::embree;
+    /// Of Accelerator::embree. The shadows and bounces of the rasterised frame that rays of the CPU decide follow it, too.
+    Arithmetic arithmetic = Arithmetic::portable;
     int threads = 0;   // 0: all
     /// MB that the renderer may hold in ray tracing trees, caches and the image's layers; 0: no limit. Beyond it,
     /// render() throws MissingError, and the renderer stays usable. The scene itself does not count.

@@ -52,6 +52,8 @@ struct VideoResult {
     Size size;
     std::vector<FrameRecord> frames;
     std::vector<std::filesystem::path> files;   // the resulting video or images
+    /// VideoJob::resume: what made frames that were there and are rendered again, such as "another scene"; else empty.
+    std::string discarded;
 };
 
 /// Renders frames to files, continues interrupted work if asked to, and encodes a video when all frames are there.

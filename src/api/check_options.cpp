@@ -57,6 +57,7 @@ void check_options(const RenderOptions& o)
     check_known("the device of indirect light", o.indirect_on, IndirectOn::vulkan);
     check_known("the shadow textures", o.shadow_textures, ShadowTextures::items);
     check_known("the accelerator", o.accelerator, Accelerator::kdtree);
+    check_known("the arithmetic", o.arithmetic, Arithmetic::native);
     check_known("the overlay", o.overlay, Overlay::clusters);
     check_range("max depth is", o.max_depth, ranges::max_depth);
     check_range("samples are", o.samples, ranges::samples);

@@ -185,13 +185,15 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
                             raster_needs_rays(*scene, options.shadow_textures);
     const bool rays_are_traced = options.renderer == RenderMethod::trace || settings_.always_has_rays;
     const Accelerator accelerator = rays_are_traced ? options.accelerator : Accelerator::embree;
-    const bool continues = host && state_ && scene != scene_ && accelerator == accelerator_ && continue_with(scene);
-    const bool is_new = !continues && (scene != scene_ || accelerator != accelerator_);
+    const bool same_rays = accelerator == accelerator_ && options.arithmetic == arithmetic_;
+    const bool continues = host && state_ && scene != scene_ && same_rays && continue_with(scene);
+    const bool is_new = !continues && (scene != scene_ || !same_rays);
     times.anew = is_new;
     if (is_new) {
         forget();
         scene_ = scene;
         accelerator_ = accelerator;
+        arithmetic_ = options.arithmetic;
         state_ = std::make_unique<scene::SceneState>(scene, time);
     }
     follows_frame_ = has_frame_;
@@ -274,7 +276,7 @@ void FrameEngine::follow_emission()
 
 void FrameEngine::make_rays()
 {
-    rays_ = std::make_unique<ray::RayScene>(*state_, limit_);
+    rays_ = std::make_unique<ray::RayScene>(*state_, limit_, arithmetic_);
     if (accelerator_ == Accelerator::kdtree) rays_->trace_on_kdtree(*state_);
 }
 

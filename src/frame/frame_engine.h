@@ -203,6 +203,7 @@ class FrameEngine {
     Tasks tasks_;
     std::shared_ptr<const scene::Scene> scene_;   // of all that follows
     Accelerator accelerator_ = Accelerator::embree;
+    Arithmetic arithmetic_ = Arithmetic::portable;
     std::unique_ptr<scene::SceneState> state_;
     std::unique_ptr<ray::RayScene> rays_;
     bool first_frame_ = true;   // of the scene

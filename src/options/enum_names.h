@@ -37,6 +37,11 @@ inline constexpr EnumName<Accelerator> k_enum_names<Accelerator>[] = {
     {"kdtree", Accelerator::kdtree},
 };
 template <>
+inline constexpr EnumName<Arithmetic> k_enum_names<Arithmetic>[] = {
+    {"auto", Arithmetic::portable},
+    {"native", Arithmetic::native},
+};
+template <>
 inline constexpr EnumName<ToneMap> k_enum_names<ToneMap>[] = {
     {"none", ToneMap::none},
     {"neutral", ToneMap::neutral},

@@ -167,6 +167,9 @@ constexpr Option k_options[] = {
     {.name = "accelerator", .argument = "NAME", .kind = Kind::choice, .fallback = "embree", .choices = k_choices<Accelerator>,
      .subcommands = k_images, .group = k_quality,
      .help = "acceleration structure; kdtree: slow, counts nodes and triangle tests, the same image except at edges"},
+    {.name = "isa", .argument = "NAME", .kind = Kind::choice, .fallback = "auto", .choices = k_choices<Arithmetic>,
+     .subcommands = k_images | bit(bench_trace), .group = k_quality,
+     .help = "what traces rays on the CPU; auto: the same bytes on every processor; native: Embree's code for this one"},
 
     {.name = "exposure", .argument = "EV|auto", .kind = Kind::number_or_auto, .fallback = "auto", .range = ranges::exposure,
      .subcommands = k_images, .group = k_look, .help = "exposure in stops; auto: computed from each frame separately"},

@@ -75,6 +75,7 @@ RenderOptions read_render_options(const OptionValues& values)
     options.cluster_shadows = values.flag("cluster-shadows");
     options.indirect_at_every_pixel = values.text("receivers") == "full";
     options.accelerator = values.choice<Accelerator>("accelerator");
+    options.arithmetic = values.choice<Arithmetic>("isa");
     if (values.given("overlay")) options.overlay = values.choice<Overlay>("overlay");
     if (values.given("overlay-light")) {
         if (options.overlay != Overlay::shadow_states)

@@ -16,6 +16,7 @@
 #include <memory>
 #include <span>
 
+#include "base/instruction_set.h"
 #include "base/memory_limit.h"
 #include "ray/queue.h"
 #include "scene/state.h"
@@ -78,7 +79,8 @@ class RayScene {
     /// @param limit  on RaySceneStatistics::bytes
     /// @throws MissingError      memory ran out, or the limit is exceeded
     /// @throws InterruptedError  the current work was interrupted (base/interruption.h)
-    explicit RayScene(const scene::SceneState& state, const MemoryLimit& limit = MemoryLimit{});
+    explicit RayScene(const scene::SceneState& state, const MemoryLimit& limit = MemoryLimit{},
+                      Arithmetic arithmetic = Arithmetic::portable);
     ~RayScene();
     RayScene(const RayScene&) = delete;
     RayScene& operator=(const RayScene&) = delete;

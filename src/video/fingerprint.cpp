@@ -228,10 +228,9 @@ std::uint64_t fingerprint_of(const scene::Scene& scene)
     return print.value();
 }
 
-std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options)
+std::uint64_t fingerprint_of_options(const Scene& scene, const RenderOptions& options)
 {
     Fingerprint print;
-    print.add(fingerprint_of(*api::scene_of(scene)));
     print.add(options.size.width), print.add(options.size.height);
     print.add(options.camera);
     print.add(options.turntable_seconds);
@@ -256,6 +255,16 @@ std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options)
     print.add(options.overlay), print.add(options.overlay_light.value_or(-1));
     if (options.reference)
         print.add(options.reference->spp), print.add(options.reference->bounces), print.add(options.reference->seed);
+    return print.value();
+}
+
+std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options)
+{
+    Fingerprint print;
+    print.add(fingerprint_of(*api::scene_of(scene)));
+    print.add(fingerprint_of_options(scene, options));
+    print.add(options.arithmetic);
+    if (options.arithmetic == Arithmetic::native) print.add(std::string(instruction_set_name()));
     return print.value();
 }
 

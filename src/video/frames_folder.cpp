@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/one_line.h"
 #include "io/file/atomic_file.h"
 
 namespace gnomon::video {
@@ -60,7 +61,27 @@ nlohmann::ordered_json manifest_of(const VideoIdentity& identity)
             {"scene", identity.scene},
             {"width", identity.size.width},
             {"height", identity.size.height},
-            {"fingerprint", fmt::format("{:016x}", identity.fingerprint)}};
+            {"isa", identity.isa},
+            {"fingerprint", fmt::format("{:016x}", identity.fingerprint)},
+            {"options", fmt::format("{:016x}", identity.options)}};
+}
+
+// What made the frames of another manifest that can be made again: "another scene"; empty if their size or options
+// differ, which is more likely a mistake.
+std::string redone(const nlohmann::ordered_json& found, const nlohmann::ordered_json& manifest)
+{
+    for (const char* key : {"width", "height", "options"})
+        if (!found.contains(key) || found[key] != manifest[key]) return {};
+    const auto text = [&](const char* key) {
+        return found.contains(key) && found[key].is_string() ? one_line(found[key].get<std::string>())
+                                                             : std::string("unknown");
+    };
+    std::string what;
+    const auto add = [&](std::string difference) { what += (what.empty() ? "" : ", ") + std::move(difference); };
+    if (text("gnomon") != manifest["gnomon"]) add(fmt::format("another version of Gnomon ({})", text("gnomon")));
+    if (text("isa") != manifest["isa"]) add(fmt::format("another instruction set ({})", text("isa")));
+    if (text("fingerprint") != manifest["fingerprint"]) add("another scene");
+    return what;
 }
 
 std::optional<nlohmann::ordered_json> read_manifest(const fs::path& file)
@@ -126,7 +147,7 @@ fs::path FramesFolder::file(int frame) const
     return folder_ / fmt::format("frame-{:06}.png", frame);
 }
 
-void FramesFolder::open(const VideoIdentity& identity, bool keep, bool shared)
+std::string FramesFolder::open(const VideoIdentity& identity, bool keep, bool shared)
 {
     make_and_lock(shared);
     bool frames = false;
@@ -143,15 +164,23 @@ void FramesFolder::open(const VideoIdentity& identity, bool keep, bool shared)
     const bool same = found && *found == manifest;
     // Other runs may not have written frames yet; theirs will match their manifest.
     const bool others = !alone_ && found;
-    if ((frames || others) && !same && (keep || shared))
-        throw UsageError(fmt::format("{} contains frames of another scene, size or set of options: remove it{}",
-                                     folder_.string(), keep && !shared ? ", or leave out --resume" : ""));
+    std::string discarded;
+    if (frames && !same && keep && !shared && found) discarded = redone(*found, manifest);
+    if ((frames || others) && !same && (keep || shared) && discarded.empty()) {
+        const std::string why = found ? redone(*found, manifest) : std::string();
+        throw UsageError(fmt::format("{} contains frames of {}: remove it{}", folder_.string(),
+                                     why.empty() ? "another scene, size or set of options" : why,
+                                     keep && !shared ? ", or leave out --resume"
+                                     : shared && !why.empty()
+                                         ? ", or render all frames again with --resume and without --chunk"
+                                         : ""));
+    }
     std::error_code error;
-    if (!keep && !shared)
+    if ((!keep && !shared) || !discarded.empty())
         for (const fs::path& entry : entries(folder_)) fs::remove(entry, error);
     if (same && (keep || shared)) {
         if (shared) let_others_in();
-        return;
+        return {};
     }
     try {
         io::AtomicFile out(folder_ / k_manifest);
@@ -162,6 +191,7 @@ void FramesFolder::open(const VideoIdentity& identity, bool keep, bool shared)
         throw;
     }
     if (shared) let_others_in();
+    return discarded;
 }
 
 void FramesFolder::remove()

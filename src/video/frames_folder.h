@@ -23,14 +23,19 @@ namespace gnomon::video {
 struct VideoIdentity {
     std::string scene;   // name, for messages
     Size size;
-    std::uint64_t fingerprint = 0;   // of everything that pixels depend on, see fingerprint_of
+    std::uint64_t fingerprint = 0;   // of the scene, see fingerprint_of
     std::string version;             // of Gnomon, because another version may render differently
+    std::uint64_t options = 0;       // fingerprint_of_options
+    std::string isa = "auto";        // what images depend on: nothing, or "native" with the instruction set
 };
 
 /// Hash of everything in the scene that affects images, without names. Cost: its vertices and texels, and at most a
 /// thousand evaluations per track.
 std::uint64_t fingerprint_of(const scene::Scene& scene);
-/// Hash of that and of all options that affect images; the number of threads, for example, does not.
+/// Hash of all options that affect images; the number of threads, for example, does not. The instruction set, which
+/// VideoIdentity names, is no part of it.
+std::uint64_t fingerprint_of_options(const Scene& scene, const RenderOptions& options);
+/// Hash of everything that images depend on: the scene, the options and, with Arithmetic::native, the instruction set.
 std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options);
 
 class FramesFolder {
@@ -41,11 +46,13 @@ class FramesFolder {
     FramesFolder& operator=(const FramesFolder&) = delete;
 
     /// Creates the folder, or opens an existing one.
-    /// @param keep    keep frames of the same video; others are removed
-    /// @param shared  other processes may use it at the same time: frames of another video are then an error, too
-    /// @throws UsageError    it has frames of another video, or files that are not ours
+    /// @param keep    keep frames of the same video, and remove those that another version, instruction set or scene
+    ///                gave; without it, remove all
+    /// @param shared  other processes may use it at the same time: frames of another video are then an error
+    /// @return        what made the frames that were removed although `keep` was given: "another scene"; else empty
+    /// @throws UsageError    it has frames of another size or with other options, or files that are not ours
     /// @throws MissingError  it cannot be written, or another run uses it
-    void open(const VideoIdentity& identity, bool keep, bool shared);
+    std::string open(const VideoIdentity& identity, bool keep, bool shared);
 
     std::filesystem::path file(int frame) const;
 

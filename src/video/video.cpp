@@ -33,6 +33,12 @@ constexpr std::size_t k_channels_beside_shadows =
     25;                                // of all other layers but ids and motion, including those of a reference
 constexpr int k_overlay_warm_up = 8;   // frames before a single image of the cached state
 
+// What the bytes of frames depend on: nothing, or the instruction set.
+std::string instruction_set_of(const RenderOptions& options)
+{
+    return options.arithmetic == Arithmetic::portable ? "auto" : fmt::format("native {}", instruction_set_name());
+}
+
 void check_job(const Scene& scene, const VideoJob& job, FrameRange frames, io::OutputKind kind)
 {
     const std::string out = job.out.string();
@@ -161,8 +167,11 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
     video::FramesFolder folder(job.out);
     if (kind == io::OutputKind::video) {
         const video::VideoIdentity identity{scene.info().name, result.size,
-                                            video::fingerprint_of(scene, renderer.options()), std::string(version())};
-        folder.open(identity, job.resume, job.chunks > 1);
+                                            video::fingerprint_of(*api::scene_of(scene)),
+                                            std::string(version()),
+                                            video::fingerprint_of_options(scene, renderer.options()),
+                                            instruction_set_of(renderer.options())};
+        result.discarded = folder.open(identity, job.resume, job.chunks > 1);
     }
 
     // Remove the folder only if it is empty, because other chunks may be about to write their first frame. Ignore

@@ -266,6 +266,17 @@ HWY_INLINE const float* places_of(const LightTree& tree)
 // A weight is stored as the leading bits of a float between 2^-64 and 2^64.
 constexpr std::uint32_t k_weight_shift = 30 - k_weight_bits, k_weight_bias = (127u - 64) << 23;
 
+// The sum of as many numbers as a list is padded to, in an order that does not depend on the width of vectors.
+float total_of(const float* values)
+{
+    float sums[k_seen_step];
+    std::copy(values, values + k_seen_step, sums);
+    for (std::uint32_t half = k_seen_step / 2; half > 0; half /= 2)
+        for (std::uint32_t i = 0; i < half; ++i) sums[i] += sums[i + half];
+    return sums[0];
+}
+
+// Every k_seen_step-th node is added to the same sum, in any vector width.
 // @param before  the flux of node n is at n - before; that of nodes below it at 0
 void sum_seen_of(const LightTree& tree, const LightTree::Flux& flux, NodeId before, const SeenNode* seen,
                  std::uint32_t count, const glm::vec3& origin, glm::vec3 (&light)[3])
@@ -277,31 +288,36 @@ void sum_seen_of(const LightTree& tree, const LightTree::Flux& flux, NodeId befo
     const auto zero = hn::Zero(d), tiny = hn::Set(d, k_tiny);
     const float* const places = places_of(tree);
     const auto shift = hn::Set(di, static_cast<std::int32_t>(before));
-    auto rx = zero, ry = zero, rz = zero, gx = zero, gy = zero, gz = zero, bx = zero, by = zero, bz = zero;
-    for (std::uint32_t k = 0; k < count; k += static_cast<std::uint32_t>(hn::Lanes(d))) {
-        const auto packed = hn::LoadU(du, seen + k);
-        const auto id = hn::BitCast(di, hn::ShiftRight<k_weight_bits>(packed));
-        const auto code = hn::And(packed, hn::Set(du, (1u << k_weight_bits) - 1));
-        auto weight = hn::BitCast(d, hn::Add(hn::ShiftLeft<k_weight_shift>(code), hn::Set(du, k_weight_bias)));
-        weight = hn::IfThenZeroElse(hn::RebindMask(d, hn::Eq(packed, hn::Zero(du))), weight);
-        const auto at = hn::ShiftLeft<2>(id);
-        const auto x = hn::Sub(hn::GatherIndex(d, places, at), ox);
-        const auto y = hn::Sub(hn::GatherIndex(d, places + 1, at), oy);
-        const auto z = hn::Sub(hn::GatherIndex(d, places + 2, at), oz);
-        const auto square = hn::Max(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)), tiny);
-        weight = hn::Div(weight, hn::Sqrt(square));
-        const auto own = hn::Max(hn::Sub(id, shift), hn::Zero(di));
-        const auto r = hn::Mul(hn::GatherIndex(d, flux.r.data(), own), weight);
-        const auto g = hn::Mul(hn::GatherIndex(d, flux.g.data(), own), weight);
-        const auto b = hn::Mul(hn::GatherIndex(d, flux.b.data(), own), weight);
-        rx = hn::Add(rx, hn::Mul(r, x)), ry = hn::Add(ry, hn::Mul(r, y)), rz = hn::Add(rz, hn::Mul(r, z));
-        gx = hn::Add(gx, hn::Mul(g, x)), gy = hn::Add(gy, hn::Mul(g, y)), gz = hn::Add(gz, hn::Mul(g, z));
-        bx = hn::Add(bx, hn::Mul(b, x)), by = hn::Add(by, hn::Mul(b, y)), bz = hn::Add(bz, hn::Mul(b, z));
+    alignas(64) float sums[9][k_seen_step];
+    const std::uint32_t padded = (count + k_seen_step - 1) / k_seen_step * k_seen_step;
+    for (std::uint32_t lane = 0; lane < k_seen_step; lane += static_cast<std::uint32_t>(hn::Lanes(d))) {
+        auto rx = zero, ry = zero, rz = zero, gx = zero, gy = zero, gz = zero, bx = zero, by = zero, bz = zero;
+        for (std::uint32_t k = lane; k < padded; k += k_seen_step) {
+            const auto packed = hn::LoadU(du, seen + k);
+            const auto id = hn::BitCast(di, hn::ShiftRight<k_weight_bits>(packed));
+            const auto code = hn::And(packed, hn::Set(du, (1u << k_weight_bits) - 1));
+            auto weight = hn::BitCast(d, hn::Add(hn::ShiftLeft<k_weight_shift>(code), hn::Set(du, k_weight_bias)));
+            weight = hn::IfThenZeroElse(hn::RebindMask(d, hn::Eq(packed, hn::Zero(du))), weight);
+            const auto at = hn::ShiftLeft<2>(id);
+            const auto x = hn::Sub(hn::GatherIndex(d, places, at), ox);
+            const auto y = hn::Sub(hn::GatherIndex(d, places + 1, at), oy);
+            const auto z = hn::Sub(hn::GatherIndex(d, places + 2, at), oz);
+            const auto square = hn::Max(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)), tiny);
+            weight = hn::Div(weight, hn::Sqrt(square));
+            const auto own = hn::Max(hn::Sub(id, shift), hn::Zero(di));
+            const auto r = hn::Mul(hn::GatherIndex(d, flux.r.data(), own), weight);
+            const auto g = hn::Mul(hn::GatherIndex(d, flux.g.data(), own), weight);
+            const auto b = hn::Mul(hn::GatherIndex(d, flux.b.data(), own), weight);
+            rx = hn::Add(rx, hn::Mul(r, x)), ry = hn::Add(ry, hn::Mul(r, y)), rz = hn::Add(rz, hn::Mul(r, z));
+            gx = hn::Add(gx, hn::Mul(g, x)), gy = hn::Add(gy, hn::Mul(g, y)), gz = hn::Add(gz, hn::Mul(g, z));
+            bx = hn::Add(bx, hn::Mul(b, x)), by = hn::Add(by, hn::Mul(b, y)), bz = hn::Add(bz, hn::Mul(b, z));
+        }
+        hn::Store(rx, d, sums[0] + lane), hn::Store(ry, d, sums[1] + lane), hn::Store(rz, d, sums[2] + lane);
+        hn::Store(gx, d, sums[3] + lane), hn::Store(gy, d, sums[4] + lane), hn::Store(gz, d, sums[5] + lane);
+        hn::Store(bx, d, sums[6] + lane), hn::Store(by, d, sums[7] + lane), hn::Store(bz, d, sums[8] + lane);
     }
-    const auto total = [&](auto v) { return hn::GetLane(hn::SumOfLanes(d, v)); };
-    light[0] = {total(rx), total(ry), total(rz)};
-    light[1] = {total(gx), total(gy), total(gz)};
-    light[2] = {total(bx), total(by), total(bz)};
+    for (int i = 0; i < 3; ++i)
+        light[i] = {total_of(sums[3 * i]), total_of(sums[3 * i + 1]), total_of(sums[3 * i + 2])};
 }
 
 void find_changed_of(const LightTree& tree, const SeenNode* seen, std::uint32_t count, const glm::vec3& origin,

@@ -112,7 +112,7 @@ void RayScene::Impl::build(const scene::SceneState& state)
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
         if (!state.is_dynamic(o) && instanced(scene->objects[o])) add_still_instance(state, o);
     finish_shared();
-    device.commit(still.get());
+    commit_still();
     device.check();
 
     const float reach = present_reach();
@@ -121,8 +121,35 @@ void RayScene::Impl::build(const scene::SceneState& state)
         finish(s, state);
     }
     number_instances();
-    device.commit(moving.get());
+    commit_moving();
     device.check();
+}
+
+// Builds a solid's BLAS, or the one of a shared mesh.
+void RayScene::Impl::commit(Solid& solid, bool follow)
+{
+    if (!portable)
+        device.commit(solid.tree.get());
+    else if (follow)
+        solid.portable.refit();
+    else
+        solid.portable.build(solid.records);
+}
+
+void RayScene::Impl::commit_still()
+{
+    if (portable)
+        commit_portable_still();
+    else
+        device.commit(still.get());
+}
+
+void RayScene::Impl::commit_moving()
+{
+    if (portable)
+        commit_portable_moving();
+    else
+        device.commit(moving.get());
 }
 
 // Returns an empty place for a solid.
@@ -259,7 +286,7 @@ void RayScene::Impl::finish_shared()
     for (const auto& [mesh, shared] : shared_meshes) {
         shared->margin = shared_margin(*shared);
         shared->attach_margin(device.get());
-        device.commit(shared->tree.get());
+        commit(*shared);
     }
     for (const Placed& placed : still_instances)
         for (const unsigned id : still_ids[placed.object]) {
@@ -344,7 +371,7 @@ void RayScene::Impl::finish(std::uint32_t s, const scene::SceneState& state)
 {
     Solid& solid = solids[s];
     solid.attach_margin(device.get());
-    device.commit(solid.tree.get());
+    commit(solid);
     if (solid.deforming) refit(solid, state);
     solid.instance = GeometryHandle(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
     rtcSetGeometryInstancedScene(solid.instance.get(), solid.tree.get());
@@ -355,6 +382,7 @@ void RayScene::Impl::finish(std::uint32_t s, const scene::SceneState& state)
 
 void RayScene::Impl::build_one_tree()
 {
+    if (portable) return build_portable_one();
     one = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
     unsigned past_still = 0;
     for (const std::vector<unsigned>& ids : still_ids)

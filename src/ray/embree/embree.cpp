@@ -4,6 +4,9 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <string>
+
+#include "base/instruction_set.h"
 #include "base/interruption.h"
 #include "gnomon/error.h"
 
@@ -13,7 +16,17 @@ struct EmbreeDevice::Arena {
     tbb::task_arena one_thread{1};
 };
 
-EmbreeDevice::EmbreeDevice() : arena_(std::make_unique<Arena>()), device_(rtcNewDevice("set_affinity=0"))
+namespace {
+
+std::string configuration()
+{
+    if (!instruction_set_is_limited()) return "set_affinity=0";
+    return fmt::format("set_affinity=0,isa={}", name_of(instruction_set()));
+}
+
+}   // namespace
+
+EmbreeDevice::EmbreeDevice() : arena_(std::make_unique<Arena>()), device_(rtcNewDevice(configuration().c_str()))
 {
     if (!device_) {
         const RTCError error = rtcGetDeviceError(nullptr);

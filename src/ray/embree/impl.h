@@ -11,12 +11,14 @@
 #include <atomic>
 #include <deque>
 #include <memory>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
 #include "ray/embree/embree.h"
 #include "ray/embree/solid.h"
 #include "ray/kdtree/kdtree.h"
+#include "ray/portable/tree.h"
 #include "ray/ray_scene.h"
 #include "ray/traceable.h"
 
@@ -25,6 +27,7 @@ namespace gnomon::ray {
 /// A BLAS and its instance in the dynamic scene: a rigid group, or one object.
 struct Solid {
     SceneHandle tree;
+    TriangleTree portable;   // the same for the portable ray tracer
     GeometryHandle instance;
     std::deque<GeometryRecord> records;   // by geometry id
     std::deque<BakedVertices> vertices;
@@ -137,6 +140,12 @@ struct RayScene::Impl {
 
     SceneHandle one;   // static and dynamic, for comparison; usually absent
 
+    // With the portable ray tracer, Embree's scenes describe what there is, and are never built.
+    bool portable = false;
+    TriangleTree portable_still;
+    SceneTree portable_still_scene, portable_moving_scene, portable_one_scene;
+    std::size_t portable_bytes = 0;   // of all its trees, as of the last update
+
     std::unique_ptr<CountingKdTree> kdtree;   // traces instead of Embree; usually absent
     struct Sums {
         std::atomic<std::uint64_t> nodes{0}, tests{0};
@@ -172,6 +181,10 @@ struct RayScene::Impl {
     std::uint32_t new_solid();
     void number_instances();
     void build_one_tree();
+    void commit_still();
+    void commit_moving();
+    /// @param follow  the vertices moved
+    void commit(Solid& solid, bool follow = false);
     SceneHandle new_scene(RTCBuildQuality quality, unsigned flags) const;
 
     // margin.cpp
@@ -185,6 +198,29 @@ struct RayScene::Impl {
     /// @param all  solids were added, or objects left their group; otherwise, only those in `touched` changed
     void follow_margins(bool all);
     void follow_margin(Solid& solid, float reach);
+
+    // ../portable/queues.cpp
+    void commit_portable_still();
+    void commit_portable_moving();
+    void build_portable_one();
+    struct Scenes {
+        std::array<const SceneTree*, 2> scene;
+        std::size_t count;
+        std::span<const SceneTree* const> span() const { return {scene.data(), count}; }
+    };
+    Scenes scenes_of(Against against) const;
+    void count_portable_bytes();
+    void closest_portably(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides,
+                          Against against) const;
+    void occluded_portably(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* occluded,
+                           Against against) const;
+    void thin_portably(const SceneTree& scene, const RayQueue& rays, std::size_t begin, std::size_t end,
+                       std::vector<ThinHit>& hits) const;
+    Hit closest_single_portably(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
+                                Sides sides) const;
+    bool occluded_single_portably(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
+                                  Against against) const;
+    Box3 portable_bounds() const;
 
     // ray_scene.cpp
     Met met(unsigned geometry_id, unsigned instance, unsigned triangle, bool in_moving) const;

@@ -190,7 +190,7 @@ float RayScene::Impl::shared_margin(const Solid& shared) const
 
 void RayScene::Impl::follow_shared_margins()
 {
-    if (shared_meshes.empty()) return;
+    if (shared_meshes.empty() || portable) return;
     const float reach = reach_of_shared();
     if (reach == shared_reach && !shared_taken) return;
     shared_reach = reach;
@@ -220,7 +220,7 @@ void RayScene::Impl::follow_margin(Solid& solid, float reach)
     same_margins = {std::max(same_margins.low, range.low), std::min(same_margins.high, range.high)};
     if (margin == solid.margin) return;
     solid.set_margin(margin);
-    device.commit(solid.tree.get());
+    if (!portable) device.commit(solid.tree.get());
     rtcCommitGeometry(solid.instance.get());
 }
 

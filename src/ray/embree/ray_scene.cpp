@@ -28,8 +28,10 @@ RTCRay make_ray(const glm::vec3& origin, float tnear, const glm::vec3& direction
 
 }   // namespace
 
-RayScene::RayScene(const scene::SceneState& state, const MemoryLimit& limit) : impl_(std::make_unique<Impl>())
+RayScene::RayScene(const scene::SceneState& state, const MemoryLimit& limit, Arithmetic arithmetic)
+    : impl_(std::make_unique<Impl>())
 {
+    impl_->portable = arithmetic == Arithmetic::portable;
     impl_->device.limit_memory(limit);
     const auto start = std::chrono::steady_clock::now();
     impl_->build(state);
@@ -74,6 +76,7 @@ void RayScene::closest(const RayQueue& rays, std::size_t begin, std::size_t end,
 {
     const Impl& in = *impl_;
     if (in.kdtree) return in.closest_on_kdtree(rays, begin, end, hits, sides, against);
+    if (in.portable) return in.closest_portably(rays, begin, end, hits, sides, against);
     TraceContext context(TraceContext::Kind::closest, sides == Sides::front);
     const bool asks_still = against != Against::dynamic_only;
     const bool anything_moves = !in.solid_of_instance.empty() && against != Against::static_only;
@@ -107,6 +110,7 @@ void RayScene::occluded(const RayQueue& rays, std::size_t begin, std::size_t end
 {
     const Impl& in = *impl_;
     if (in.kdtree) return in.occluded_on_kdtree(rays, begin, end, occluded, against);
+    if (in.portable) return in.occluded_portably(rays, begin, end, occluded, against);
     if (against == Against::one_tree) GNOMON_CHECK(in.one.get() != nullptr);
     TraceContext context(TraceContext::Kind::any);
     RTCScene first = in.still.get(), then = in.solid_of_instance.empty() ? nullptr : in.moving.get();
@@ -144,7 +148,11 @@ void RayScene::let_through(const RayQueue& rays, std::size_t begin, std::size_t 
             if (tree == &in.moving && (in.solid_of_instance.empty() || against == Against::static_only)) break;
             if (tree == &in.still && against == Against::dynamic_only) continue;
             hits.clear();
-            thin_packet(in.width, tree->get(), context, rays, at, count);
+            if (in.portable)
+                in.thin_portably(tree == &in.still ? in.portable_still_scene : in.portable_moving_scene, rays, at,
+                                 at + static_cast<std::size_t>(count), hits);
+            else
+                thin_packet(in.width, tree->get(), context, rays, at, count);
             // Each surface counts once. Multiply in the order of the factors: surfaces' numbers depend on the history
             // of a host's scene.
             std::sort(hits.begin(), hits.end(),
@@ -174,6 +182,7 @@ Meeting RayScene::meeting(scene::ObjectId object) const
 
 Box3 RayScene::bounds() const
 {
+    if (impl_->portable) return impl_->portable_bounds();
     Box3 result;
     for (const SceneHandle* part : {&impl_->still, &impl_->moving}) {
         RTCBounds box;
@@ -189,7 +198,7 @@ RaySceneStatistics RayScene::statistics() const
     const Impl& in = *impl_;
     RaySceneStatistics result = in.statistics;
     result.instances = in.solid_of_instance.size();
-    result.bytes = in.device.bytes() + in.baked_bytes;
+    result.bytes = in.device.bytes() + in.baked_bytes + in.portable_bytes;
     return result;
 }
 
@@ -209,6 +218,7 @@ Hit RayScene::closest_single(const glm::vec3& origin, float tnear, const glm::ve
                              Sides sides) const
 {
     const Impl& in = *impl_;
+    if (in.portable) return in.closest_single_portably(origin, tnear, direction, tfar, sides);
     TraceContext context(TraceContext::Kind::closest, sides == Sides::front);
     Hit hit;
     hit.t = tfar;
@@ -230,6 +240,7 @@ bool RayScene::occluded_single(const glm::vec3& origin, float tnear, const glm::
                                Against against) const
 {
     const Impl& in = *impl_;
+    if (in.portable) return in.occluded_single_portably(origin, tnear, direction, tfar, against);
     if (against == Against::one_tree) GNOMON_CHECK(in.one.get() != nullptr);
     if (!traceable(origin.x, origin.y, origin.z, tnear, direction.x, direction.y, direction.z, tfar)) return false;
     TraceContext context(TraceContext::Kind::any);

@@ -141,13 +141,15 @@ void attach_object(RTCDevice device, RTCScene scene, const scene::Scene& descrip
         rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(),
                                    first * sizeof(glm::uvec3), sizeof(glm::uvec3), triangles);
         const bool blocks = surface != scene::SurfaceClass::transparent;
-        rtcSetGeometryMask(geometry.get(), k_mask_seen | (blocks ? k_mask_blocks : 0) | (thins ? k_mask_thins : 0));
+        const bool masked = surface == scene::SurfaceClass::masked;
+        const unsigned mask = k_mask_seen | (blocks ? k_mask_blocks : 0) | (thins ? k_mask_thins : 0);
+        rtcSetGeometryMask(geometry.get(), mask);
         if (thins) rtcSetGeometryOccludedFilterFunction(geometry.get(), &filter_thin);
 
         const auto id = static_cast<unsigned>(records.size());
-        records.push_back({&description, &mesh, object, first, one_sided, mirrored});
+        records.push_back({&description, &mesh, object, first, one_sided, mirrored, &vertices, triangles, mask, masked,
+                           thins, true});
         rtcSetGeometryUserData(geometry.get(), &records.back());
-        const bool masked = surface == scene::SurfaceClass::masked;
         if (one_sided || masked) rtcSetGeometryIntersectFilterFunction(geometry.get(), &filter_closest);
         if (masked) rtcSetGeometryOccludedFilterFunction(geometry.get(), &filter_any);
         rtcSetGeometryBuildQuality(geometry.get(), quality);

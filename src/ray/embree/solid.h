@@ -11,6 +11,8 @@
 
 namespace gnomon::ray {
 
+struct BakedVertices;
+
 /// The data of a geometry for filters and hits; lives as long as the geometry.
 struct GeometryRecord {
     const scene::Scene* scene = nullptr;
@@ -19,6 +21,11 @@ struct GeometryRecord {
     std::uint32_t first_triangle = 0;   // of the mesh: the geometry's triangle 0
     bool one_sided = false;             // at least one of its materials is
     bool mirrored = false;              // the winding in the geometry's space is the reverse of the mesh's
+    const BakedVertices* vertices = nullptr;
+    std::uint32_t triangles = 0;
+    unsigned mask = 0;                    // the rays that meet it (embree.h)
+    bool masked = false, thins = false;   // its materials have holes; let light through in part
+    bool attached = true;                 // false: its object has left this tree
 };
 
 /// Vertices in the space of a tree, padded for Embree's loads.

@@ -41,8 +41,8 @@ void RayScene::Impl::update(const scene::SceneState& state)
     // Rebuild the TLAS of the dynamic scene, and nothing else.
     statistics.touched = touched.size();
     if (statistics.touched > 0 || regrouped) follow_margins(regrouped);
-    if (statistics.touched > 0 || edited) device.commit(moving.get());
-    if (one.get() && regrouped)
+    if (statistics.touched > 0 || edited) commit_moving();
+    if (!portable_one_scene.instances().empty() || (one.get() && regrouped))
         build_one_tree();
     else if (one.get() && statistics.touched > 0)
         device.commit(one.get());
@@ -61,7 +61,7 @@ void RayScene::Impl::refit(Solid& solid, const scene::SceneState& state)
                       glm::dmat4(1));   // refitting starts from the rest shape again
         make_tree_of_one(solid);
         solid.attach_margin(device.get());
-        if (!anew) device.commit(solid.tree.get());
+        if (!anew && !portable) device.commit(solid.tree.get());
         if (solid.instance.get()) rtcSetGeometryInstancedScene(solid.instance.get(), solid.tree.get());
     }
     std::copy(shape.positions.begin(), shape.positions.end(), vertices.positions.begin());
@@ -82,7 +82,7 @@ void RayScene::Impl::refit(Solid& solid, const scene::SceneState& state)
         rtcEnableGeometry(solid.margin_geometry.get());
     else
         rtcDisableGeometry(solid.margin_geometry.get());
-    device.commit(solid.tree.get());
+    commit(solid, true);
     if (solid.instance.get()) rtcCommitGeometry(solid.instance.get());
 }
 
@@ -185,7 +185,10 @@ bool RayScene::Impl::follow_overrides(const scene::SceneState& state)
         } else {
             for (const unsigned id : still_ids[o]) {
                 rtcDetachGeometry(still.get(), id);
-                if (id < first_instance) continue;
+                if (id < first_instance) {
+                    still_records[id].attached = false;
+                    continue;
+                }
                 still_instances[id - first_instance].taken = true;
                 shared_taken = true;
             }
@@ -199,7 +202,7 @@ bool RayScene::Impl::follow_overrides(const scene::SceneState& state)
     }
     if (still_changed) {
         measure_still(state);
-        device.commit(still.get());
+        commit_still();
     }
     return any;
 }
@@ -208,7 +211,10 @@ bool RayScene::Impl::follow_overrides(const scene::SceneState& state)
 void RayScene::Impl::separate(scene::ObjectId object, Solid& group)
 {
     for (unsigned id = 0; id < group.records.size(); ++id)
-        if (group.records[id].object == object) rtcDetachGeometry(group.tree.get(), id);
+        if (group.records[id].object == object) {
+            rtcDetachGeometry(group.tree.get(), id);
+            group.records[id].attached = false;
+        }
     std::erase(group.objects, object);
     group.box = {};
     for (const BakedVertices& vertices : group.vertices)
@@ -217,7 +223,7 @@ void RayScene::Impl::separate(scene::ObjectId object, Solid& group)
                 group.box.add(box_of(vertices.positions, *geometry[o].mesh));
     group.reach = reach_of(group.box, group.to_world);
     group.set_margin(group.margin);
-    device.commit(group.tree.get());
+    commit(group);
     if (group.objects.empty()) show(group, false);
     rtcCommitGeometry(group.instance.get());
 }
