@@ -85,7 +85,8 @@ struct RenderOptions {
     int indirect_memory = 16;   // Indirect::visible: MB of irradiance cache; changes time, not images
     IndirectOn indirect_on = IndirectOn::automatic;
     Accelerator accelerator = Accelerator::embree;
-    /// Of Accelerator::embree. The shadows and bounces of the rasterised frame that rays of the CPU decide follow it, too.
+    /// Of Accelerator::embree. The shadows and bounces of the rasterised frame that rays of the CPU decide follow it,
+    /// too.
     Arithmetic arithmetic = Arithmetic::portable;
     int threads = 0;   // 0: all
     /// MB that the renderer may hold in ray tracing trees, caches and the image's layers; 0: no limit. Beyond it,

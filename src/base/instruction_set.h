@@ -14,8 +14,8 @@ enum class InstructionSet : std::uint8_t { sse42, avx, avx2, avx512 };
 /// "sse4.2", "avx", "avx2", "avx512".
 std::string_view name_of(InstructionSet set);
 
-/// The last instruction set that the processor has and GNOMON_ISA allows. The first call applies the limit to vectorised
-/// loops; call it before any of them runs. Thread-safe.
+/// The last instruction set that the processor has and GNOMON_ISA allows. The first call applies the limit to
+/// vectorised loops; call it before any of them runs. Thread-safe.
 /// @throws UsageError, MissingError  as instruction_set_name()
 InstructionSet instruction_set();
 /// Whether GNOMON_ISA limits it.

@@ -145,8 +145,9 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
     if (kind == io::OutputKind::video && renderer.options().background == BackgroundKind::transparent)
         throw UsageError("a video has no alpha: choose a background of one colour, or write numbered .png images");
     if (!job.frames && kind != io::OutputKind::image && scene.frame_count() > k_most_frames_unasked)
-        throw UsageError(fmt::format("the clip has {} frames, which is more than {}: name those to render, --frames 1-{}",
-                                     scene.frame_count(), k_most_frames_unasked, k_most_frames_unasked));
+        throw UsageError(
+            fmt::format("the clip has {} frames, which is more than {}: name those to render, --frames 1-{}",
+                        scene.frame_count(), k_most_frames_unasked, k_most_frames_unasked));
     const FrameRange whole =
         job.frames.value_or(FrameRange{1, kind == io::OutputKind::image ? 1 : scene.frame_count()});
     check_job(scene, job, whole, kind);
@@ -166,7 +167,8 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
 
     video::FramesFolder folder(job.out);
     if (kind == io::OutputKind::video) {
-        const video::VideoIdentity identity{scene.info().name, result.size,
+        const video::VideoIdentity identity{scene.info().name,
+                                            result.size,
                                             video::fingerprint_of(*api::scene_of(scene)),
                                             std::string(version()),
                                             video::fingerprint_of_options(scene, renderer.options()),

@@ -22,7 +22,8 @@ std::vector<std::string> instruction_sets()
 }
 
 // A video in parts, each under another instruction set, and in one run.
-void expect_parts_equal_one_run(const std::vector<std::string>& options, int chunks, const std::vector<std::string>& sets)
+void expect_parts_equal_one_run(const std::vector<std::string>& options, int chunks,
+                                const std::vector<std::string>& sets)
 {
     const ScratchFolder folder;
     const auto make = [&](const std::string& name, const std::vector<std::string>& more, const Environment& variables) {
@@ -82,8 +83,8 @@ TEST(SameBytes, NativeFramesOfAnotherInstructionSetAreRenderedAgain)
     if (sets.size() < 2) GTEST_SKIP() << "this processor has one instruction set";
     const ScratchFolder folder;
     const auto arguments = [&](const std::string& name, const std::vector<std::string>& more) {
-        std::vector<std::string> all{"render",  "builtin:cornell", "-o",    folder / name, "--frames", "1-4",
-                                     "--size", "33x25",           "--isa", "native"};
+        std::vector<std::string> all{"render", "builtin:cornell", "-o",    folder / name, "--frames",
+                                     "1-4",    "--size",          "33x25", "--isa",       "native"};
         all.insert(all.end(), more.begin(), more.end());
         return all;
     };

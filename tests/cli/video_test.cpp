@@ -145,8 +145,7 @@ TEST_F(Video, DoesNotReuseFramesOfAnotherVideo)
     make("a.mp4", {"--chunk", "1/2"});
     const auto frames = names_in(folder / "a.mp4.frames");
     // Another exposure, number of samples, light or scene is detected, and existing files are kept.
-    for (const std::vector<std::string>& other :
-         {std::vector<std::string>{"--exposure", "1"}, {"--samples", "2"}}) {
+    for (const std::vector<std::string>& other : {std::vector<std::string>{"--exposure", "1"}, {"--samples", "2"}}) {
         std::vector<std::string> more = other;
         more.emplace_back("--resume");
         expect_failure(run(arguments("a.mp4", more)), 2, "another scene, size or set of options");
@@ -172,8 +171,8 @@ TEST_F(Video, RendersFramesOfAnotherSceneAgain)
     make("whole.mp4", {"--light", "point 0 0 0 1 1 1"});
     make("a.mp4", {"--chunk", "1/2"});
     const Outcome again = run([&] {
-        std::vector<std::string> all{"render",  k_scene,   "-o",    folder / "a.mp4",    "--frames", "1-12", "--size",
-                                     "65x49",   "--light", "point 0 0 0 1 1 1", "--resume"};
+        std::vector<std::string> all{"render", k_scene, "-o",      folder / "a.mp4",    "--frames", "1-12",
+                                     "--size", "65x49", "--light", "point 0 0 0 1 1 1", "--resume"};
         return all;
     }());
     ASSERT_EQ(again.code, 0) << again.err;

@@ -257,24 +257,26 @@ TEST(KdTree, EqualsBruteForceOnSplitPlanes)
     }
 }
 
-TEST(KdTree, AgreesWithEmbree)
+TEST(KdTree, AgreesWithEmbreeAndThePortableRayTracer)
 {
-    std::size_t traced = 0, closest = 0, occluded = 0;
-    for (std::uint64_t seed = 1; seed <= 6; ++seed)
-        for (const auto& scene : {make_soups(seed), make_random_scene(seed)}) {
-            const SceneState state(scene, 0.3 * static_cast<double>(seed));
-            const RayScene rays(state);
-            const CountingKdTree tree(state, rays);
-            const ray::RayQueue queue = random_rays(seed + 50, 3000);
-            KdCounts counts;
-            const Differences d = against_embree(trace_tree(tree, queue, counts), trace_singly(rays, queue));
-            traced += queue.size(), closest += d.closest, occluded += d.occluded;
-        }
-    RecordProperty("closest_differences", static_cast<int>(closest));
-    RecordProperty("occluded_differences", static_cast<int>(occluded));
-    // Rays through the borders of holes, and through edges of moving objects (tested in object space), may differ.
-    EXPECT_LE(closest, traced / 10000) << "of " << traced;
-    EXPECT_LE(occluded, traced / 10000) << "of " << traced;
+    for (const Arithmetic arithmetic : {Arithmetic::native, Arithmetic::portable}) {
+        std::size_t traced = 0, closest = 0, occluded = 0;
+        for (std::uint64_t seed = 1; seed <= 6; ++seed)
+            for (const auto& scene : {make_soups(seed), make_random_scene(seed)}) {
+                const SceneState state(scene, 0.3 * static_cast<double>(seed));
+                const RayScene rays(state, MemoryLimit{}, arithmetic);
+                const CountingKdTree tree(state, rays);
+                const ray::RayQueue queue = random_rays(seed + 50, 3000);
+                KdCounts counts;
+                const Differences d = against_embree(trace_tree(tree, queue, counts), trace_singly(rays, queue));
+                traced += queue.size(), closest += d.closest, occluded += d.occluded;
+            }
+        RecordProperty("closest_differences", static_cast<int>(closest));
+        RecordProperty("occluded_differences", static_cast<int>(occluded));
+        // Rays through the borders of holes, and through edges of moving objects (tested in object space), may differ.
+        EXPECT_LE(closest, traced / 10000) << "of " << traced;
+        EXPECT_LE(occluded, traced / 10000) << "of " << traced;
+    }
 }
 
 TEST(KdTree, UpdateEqualsAFreshTreeInBitsAndCounts)

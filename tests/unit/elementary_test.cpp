@@ -32,10 +32,16 @@ struct Function {
 
 std::vector<Function> functions()
 {
-#define GNOMON_FUNCTION(name, low, high)                                                                      \
-    {                                                                                                         \
-        #name, [](double x) { return std::name(x); }, [](float x) { return std::name(x); },                   \
-            [](long double x) { return std::name(x); }, low, high                                             \
+#define GNOMON_FUNCTION(name, low, high)                                                                               \
+    {                                                                                                                  \
+#name,                                                                                                         \
+            [](double x) { return std::name(x); },                                                                     \
+                                                [](float                                                               \
+                                                       x) { return std::name(x); },                                    \
+                                                                                 [](long double                        \
+                                                                                        x) { return std::name(x); },   \
+                                                                                                                  low, \
+                                                                                                                  high \
     }
     return {GNOMON_FUNCTION(sin, -30, 30),   GNOMON_FUNCTION(cos, -30, 30),    GNOMON_FUNCTION(tan, -30, 30),
             GNOMON_FUNCTION(exp, -80, 80),   GNOMON_FUNCTION(exp2, -100, 100), GNOMON_FUNCTION(log, 1e-9, 20),
@@ -70,11 +76,14 @@ TEST(Elementary, PowersAndAnglesAreCorrectlyRounded)
     for (int i = 0; i < k_count; ++i) {
         const float x = random.uniform(0, 10), y = random.uniform(-10, 10), z = random.uniform(-10, 10);
         const double a = static_cast<double>(x) * 1.0000001, b = static_cast<double>(y) * 0.9999999;
-        powers += std::pow(a, b) != static_cast<double>(std::pow(static_cast<long double>(a), static_cast<long double>(b)));
-        float_powers += std::pow(x, y) != static_cast<float>(std::pow(static_cast<long double>(x), static_cast<long double>(y)));
+        powers +=
+            std::pow(a, b) != static_cast<double>(std::pow(static_cast<long double>(a), static_cast<long double>(b)));
+        float_powers +=
+            std::pow(x, y) != static_cast<float>(std::pow(static_cast<long double>(x), static_cast<long double>(y)));
         angles += std::atan2(b, static_cast<double>(z)) !=
                   static_cast<double>(std::atan2(static_cast<long double>(b), static_cast<long double>(z)));
-        float_angles += std::atan2(y, z) != static_cast<float>(std::atan2(static_cast<long double>(y), static_cast<long double>(z)));
+        float_angles += std::atan2(y, z) !=
+                        static_cast<float>(std::atan2(static_cast<long double>(y), static_cast<long double>(z)));
     }
     EXPECT_LE(powers, k_count / 500);
     EXPECT_LE(angles, k_count / 500);
@@ -94,7 +103,8 @@ TEST(Elementary, SpecialValuesAreThoseOfTheStandard)
     EXPECT_EQ(std::exp(hidden(710.0)), k_inf);
     EXPECT_EQ(std::exp2(hidden(-1074.0)), std::numeric_limits<double>::denorm_min());
     EXPECT_EQ(std::log(zero), -k_inf);
-    EXPECT_TRUE(std::isnan(std::log(-one)) && std::isnan(std::acos(hidden(1.5))) && std::isnan(std::asin(hidden(-2.0))));
+    EXPECT_TRUE(std::isnan(std::log(-one)) && std::isnan(std::acos(hidden(1.5))) &&
+                std::isnan(std::asin(hidden(-2.0))));
     EXPECT_EQ(std::log2(hidden(8.0)), 3);
     EXPECT_EQ(std::log10(hidden(1000.0)), 3);
     EXPECT_EQ(std::acos(one), 0);

@@ -8,8 +8,8 @@
 // precision below 0.51, because the leading terms of each series are Twofold. Angles above k_largest_angle are taken
 // modulo the double nearest to 2 pi.
 //
-// The series are those of Taylor, after a reduction of the argument. Special values are those of C99, Annex F, but errno
-// and floating-point exceptions are not set.
+// The series are those of Taylor, after a reduction of the argument. Special values are those of C99, Annex F, but
+// errno and floating-point exceptions are not set.
 #include <cmath>
 #include <limits>
 
@@ -109,7 +109,8 @@ double exp_in_double(double x)
 // The series 1/5 + z/7 + z^2/9 ... of the logarithm, z = s^2, |s| <= 0.172.
 double logarithm_tail(double z)
 {
-    static constexpr double c[] = {1. / 5, 1. / 7, 1. / 9, 1. / 11, 1. / 13, 1. / 15, 1. / 17, 1. / 19, 1. / 21, 1. / 23};
+    static constexpr double c[] = {1. / 5,  1. / 7,  1. / 9,  1. / 11, 1. / 13,
+                                   1. / 15, 1. / 17, 1. / 19, 1. / 21, 1. / 23};
     return polynomial(c, z);
 }
 
@@ -189,8 +190,7 @@ bool special_power(double x, double y, double& result)
     if (x != x || y != y) return result = x + y, true;
     const double size = std::abs(x);
     const bool negative = std::signbit(x) && is_odd(y);
-    if (std::abs(y) == k_inf)
-        return result = size == 1 ? 1 : (size > 1) == (y > 0) ? k_inf : 0, true;
+    if (std::abs(y) == k_inf) return result = size == 1 ? 1 : (size > 1) == (y > 0) ? k_inf : 0, true;
     if (size == 0 || size == k_inf)
         return result = std::copysign((size == 0) == (y > 0) ? 0 : k_inf, negative ? -1.0 : 1.0), true;
     if (x < 0 && !is_integer(y)) return result = k_nan, true;
@@ -206,8 +206,8 @@ double pow_of(double x, double y)
     if (special_power(x, y, special)) return special;
     if (y == 1) return x;
     const Twofold log = log2_twofold(std::abs(x));
-    const double size = std::abs(y) > k_much ? exp2_of((log.hi > 0) == (y > 0) ? k_inf : -k_inf)
-                                             : exp2_of(log * Twofold(y));
+    const double size =
+        std::abs(y) > k_much ? exp2_of((log.hi > 0) == (y > 0) ? k_inf : -k_inf) : exp2_of(log * Twofold(y));
     return x < 0 && is_odd(y) ? -size : size;
 }
 double pow_in_double(double x, double y)
@@ -347,7 +347,7 @@ SineAndCosine in_double(double x)
 // The series 1/5 - z/7 + z^2/9 ... of the arc tangent, z = t^2, |t| <= tan 15 degrees.
 double arc_tangent_tail(double z)
 {
-    static constexpr double c[] = {1. / 5,   -1. / 7,  1. / 9,   -1. / 11, 1. / 13,  -1. / 15, 1. / 17,
+    static constexpr double c[] = {1. / 5,   -1. / 7, 1. / 9,   -1. / 11, 1. / 13,  -1. / 15, 1. / 17,
                                    -1. / 19, 1. / 21, -1. / 23, 1. / 25,  -1. / 27, 1. / 29};
     return polynomial(c, z);
 }
@@ -393,8 +393,8 @@ Twofold angle_of(const Twofold& y, const Twofold& x)
 double angle_in_double(double y, double x)
 {
     const double up = std::abs(y), right = std::abs(x);
-    double angle = right < up ? k_half_pi.hi - small_arc_tangent_in_double(right / up)
-                              : small_arc_tangent_in_double(up / right);
+    double angle =
+        right < up ? k_half_pi.hi - small_arc_tangent_in_double(right / up) : small_arc_tangent_in_double(up / right);
     if (x < 0) angle = k_twofold_pi.hi - angle;
     return y < 0 ? -angle : angle;
 }
@@ -517,47 +517,119 @@ float __wrap_sinf(float x);
 void __wrap_sincosf(float x, float* sine, float* cosine);
 float __wrap_tanf(float x);
 
-double __wrap_acos(double x) { return el::acos_of(x); }
-double __wrap_asin(double x) { return el::asin_of(x); }
-double __wrap_atan(double x) { return el::atan_of(x); }
-double __wrap_atan2(double y, double x) { return el::atan2_of(y, x); }
-double __wrap_cbrt(double x) { return el::cbrt_of(x); }
-double __wrap_cos(double x) { return el::cos_of(x); }
-double __wrap_exp(double x) { return el::exp_of(x); }
-double __wrap_exp2(double x) { return el::exp2_of(el::Twofold(x)); }
-double __wrap_log(double x) { return el::log_of(x); }
-double __wrap_log10(double x) { return el::log10_of(x); }
-double __wrap_log2(double x) { return el::log2_of(x); }
-double __wrap_pow(double x, double y) { return el::pow_of(x, y); }
-double __wrap_sin(double x) { return el::sin_of(x); }
+double __wrap_acos(double x)
+{
+    return el::acos_of(x);
+}
+double __wrap_asin(double x)
+{
+    return el::asin_of(x);
+}
+double __wrap_atan(double x)
+{
+    return el::atan_of(x);
+}
+double __wrap_atan2(double y, double x)
+{
+    return el::atan2_of(y, x);
+}
+double __wrap_cbrt(double x)
+{
+    return el::cbrt_of(x);
+}
+double __wrap_cos(double x)
+{
+    return el::cos_of(x);
+}
+double __wrap_exp(double x)
+{
+    return el::exp_of(x);
+}
+double __wrap_exp2(double x)
+{
+    return el::exp2_of(el::Twofold(x));
+}
+double __wrap_log(double x)
+{
+    return el::log_of(x);
+}
+double __wrap_log10(double x)
+{
+    return el::log10_of(x);
+}
+double __wrap_log2(double x)
+{
+    return el::log2_of(x);
+}
+double __wrap_pow(double x, double y)
+{
+    return el::pow_of(x, y);
+}
+double __wrap_sin(double x)
+{
+    return el::sin_of(x);
+}
 void __wrap_sincos(double x, double* sine, double* cosine)
 {
     *sine = el::sin_of(x);
     *cosine = el::cos_of(x);
 }
-double __wrap_tan(double x) { return el::tan_of(x); }
-float __wrap_acosf(float x) { return el::single(el::acos_in_double(static_cast<double>(x))); }
-float __wrap_asinf(float x) { return el::single(el::asin_in_double(static_cast<double>(x))); }
-float __wrap_atanf(float x) { return el::single(el::atan2_in_double(static_cast<double>(x), 1)); }
+double __wrap_tan(double x)
+{
+    return el::tan_of(x);
+}
+float __wrap_acosf(float x)
+{
+    return el::single(el::acos_in_double(static_cast<double>(x)));
+}
+float __wrap_asinf(float x)
+{
+    return el::single(el::asin_in_double(static_cast<double>(x)));
+}
+float __wrap_atanf(float x)
+{
+    return el::single(el::atan2_in_double(static_cast<double>(x), 1));
+}
 float __wrap_atan2f(float y, float x)
 {
     return el::single(el::atan2_in_double(static_cast<double>(y), static_cast<double>(x)));
 }
-float __wrap_cbrtf(float x) { return el::single(el::cbrt_of(static_cast<double>(x))); }
-float __wrap_cosf(float x) { return el::single(el::in_double(static_cast<double>(x)).cosine); }
-float __wrap_expf(float x) { return el::single(el::exp_in_double(static_cast<double>(x))); }
-float __wrap_exp2f(float x) { return el::single(el::exp2_of(static_cast<double>(x))); }
-float __wrap_logf(float x) { return el::single(el::log_in_double(static_cast<double>(x), el::k_ln2.hi, 1)); }
+float __wrap_cbrtf(float x)
+{
+    return el::single(el::cbrt_of(static_cast<double>(x)));
+}
+float __wrap_cosf(float x)
+{
+    return el::single(el::in_double(static_cast<double>(x)).cosine);
+}
+float __wrap_expf(float x)
+{
+    return el::single(el::exp_in_double(static_cast<double>(x)));
+}
+float __wrap_exp2f(float x)
+{
+    return el::single(el::exp2_of(static_cast<double>(x)));
+}
+float __wrap_logf(float x)
+{
+    return el::single(el::log_in_double(static_cast<double>(x), el::k_ln2.hi, 1));
+}
 float __wrap_log10f(float x)
 {
     return el::single(el::log_in_double(static_cast<double>(x), el::k_log10_of_2.hi, el::k_per_ln10.hi));
 }
-float __wrap_log2f(float x) { return el::single(el::log_in_double(static_cast<double>(x), 1, el::k_per_ln2.hi)); }
+float __wrap_log2f(float x)
+{
+    return el::single(el::log_in_double(static_cast<double>(x), 1, el::k_per_ln2.hi));
+}
 float __wrap_powf(float x, float y)
 {
     return el::single(el::pow_in_double(static_cast<double>(x), static_cast<double>(y)));
 }
-float __wrap_sinf(float x) { return el::single(el::in_double(static_cast<double>(x)).sine); }
+float __wrap_sinf(float x)
+{
+    return el::single(el::in_double(static_cast<double>(x)).sine);
+}
 void __wrap_sincosf(float x, float* sine, float* cosine)
 {
     const el::SineAndCosine both = el::in_double(static_cast<double>(x));

@@ -147,8 +147,8 @@ void attach_object(RTCDevice device, RTCScene scene, const scene::Scene& descrip
         if (thins) rtcSetGeometryOccludedFilterFunction(geometry.get(), &filter_thin);
 
         const auto id = static_cast<unsigned>(records.size());
-        records.push_back({&description, &mesh, object, first, one_sided, mirrored, &vertices, triangles, mask, masked,
-                           thins, true});
+        records.push_back(
+            {&description, &mesh, object, first, one_sided, mirrored, &vertices, triangles, mask, masked, thins, true});
         rtcSetGeometryUserData(geometry.get(), &records.back());
         if (one_sided || masked) rtcSetGeometryIntersectFilterFunction(geometry.get(), &filter_closest);
         if (masked) rtcSetGeometryOccludedFilterFunction(geometry.get(), &filter_any);

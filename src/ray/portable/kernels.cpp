@@ -10,8 +10,8 @@
 #include <bit>
 #include <cmath>
 
-#include "ray/portable/kernels.h"
 #include "ray/portable/judge.h"
+#include "ray/portable/kernels.h"
 #include "ray/triangle_test.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -49,7 +49,7 @@ struct Rays {
     alignas(64) float shear[3][k_packet_rays];   // by axis: next, after next, along
     // Bits of lanes: whose component of the direction is negative; with the largest component along x, along y.
     unsigned negative[3], along_x, along_y;
-    bool same_axis, same_signs;                  // of all lanes in use
+    bool same_axis, same_signs;   // of all lanes in use
     // With the same signs: the least and largest values of all lanes.
     float least_for_low[3], most_for_low[3], least_for_high[3], most_for_high[3], least_inverse[3], most_inverse[3];
     float least_near;
@@ -58,7 +58,7 @@ struct Rays {
     // The axis with the largest component, and whether that is negative.
     int along(std::size_t lane) const { return (along_x >> lane) & 1 ? 0 : (along_y >> lane) & 1 ? 1 : 2; }
     bool backward(std::size_t lane) const { return down(along(lane), lane); }
-    unsigned first;                              // lane in use
+    unsigned first;   // lane in use
 };
 
 template <class D>
@@ -131,7 +131,7 @@ HWY_INLINE void prepare(Rays& rays, const float (&direction)[3][k_packet_rays], 
     rays.first = static_cast<unsigned>(std::countr_zero(lanes));
     rays.same_axis = agree(rays.along_x) && agree(rays.along_y);
     rays.same_signs = agree(rays.negative[0]) && agree(rays.negative[1]) && agree(rays.negative[2]);
-    if (!rays.same_signs) return;
+    if (!rays.same_signs || std::popcount(lanes) < k_least_together) return;
     for (int a = 0; a < 3; ++a) {
         rays.least_for_low[a] = least_of(rays.for_low[a]), rays.most_for_low[a] = most_of(rays.for_low[a]);
         rays.least_for_high[a] = least_of(rays.for_high[a]), rays.most_for_high[a] = most_of(rays.for_high[a]);
@@ -232,8 +232,7 @@ HWY_INLINE void meet_leaf(Trace<any>& trace, const Rays& rays, std::size_t lane,
             b[i] = hn::Sub(hn::Load(d, block->corner[i][last]), ob);
             c[i] = hn::Sub(hn::Load(d, block->corner[i][k]), oc);
         }
-        const auto tested =
-            test(d, a, b, c, shear_a, shear_b, scale, tnear, hn::Set(d, trace.packet.t[lane]));
+        const auto tested = test(d, a, b, c, shear_a, shear_b, scale, tnear, hn::Set(d, trace.packet.t[lane]));
         unsigned hits = bits_of(d, tested.hit);
         if (hits == 0) continue;
         alignas(16) float t[4], u[4], v[4], sum[4];
@@ -273,7 +272,7 @@ void trace_single(Trace<any>& trace, const Rays& rays, std::size_t lane, std::ui
     for (;;) {
         while (!TreeNode::is_leaf(at)) {
             const TreeNode& node = nodes[at];
-            alignas(32) float near[TreeNode::k_width];
+            alignas(32) [[maybe_unused]] float near[TreeNode::k_width];
             unsigned hits = 0;
             for (std::size_t from = 0; from < TreeNode::k_width; from += k_boxes) {
                 VB low = tnear, high = hn::Set(d, trace.limit[lane]);
@@ -284,13 +283,17 @@ void trace_single(Trace<any>& trace, const Rays& rays, std::size_t lane, std::ui
                     high = hn::Min(high, hn::Mul(hn::Sub(second, leave[a]), inverse[a]));
                 }
                 hits |= bits_of(d, hn::Le(low, high)) << from;
-                hn::Store(low, d, near + from);
+                if constexpr (!any) hn::Store(low, d, near + from);
             }
             hits &= (1u << node.count) - 1;
             if (hits == 0) goto next;
             unsigned nearest = static_cast<unsigned>(std::countr_zero(hits));
             hits &= hits - 1;
-            if (hits != 0) {
+            if constexpr (any) {
+                // In any order: a node's children are sorted by the sizes of their boxes.
+                for (; hits != 0; hits &= hits - 1)
+                    stack[waiting++].node = node.child[static_cast<unsigned>(std::countr_zero(hits))];
+            } else if (hits != 0) {
                 const std::size_t first = waiting;
                 for (; hits != 0; hits &= hits - 1) {
                     auto i = static_cast<unsigned>(std::countr_zero(hits));
@@ -310,7 +313,7 @@ void trace_single(Trace<any>& trace, const Rays& rays, std::size_t lane, std::ui
         do {
             if (waiting == 0) return;
             at = stack[--waiting].node;
-        } while (stack[waiting].near > trace.limit[lane]);
+        } while (!any && stack[waiting].near > trace.limit[lane]);
     }
 }
 
@@ -341,10 +344,9 @@ HWY_INLINE void meet_leaf(Trace<any>& trace, const Rays& rays, unsigned lanes, s
                         c[p] = hn::IfThenElse(by_x, x, hn::IfThenElse(by_y, y, z));
                     }
                 }
-                const auto tested =
-                    test(d, a, b, c, hn::Load(d, rays.shear[0] + at), hn::Load(d, rays.shear[1] + at),
-                         hn::Load(d, rays.shear[2] + at), hn::Load(d, trace.packet.tnear + at),
-                         hn::Load(d, trace.packet.t + at));
+                const auto tested = test(d, a, b, c, hn::Load(d, rays.shear[0] + at), hn::Load(d, rays.shear[1] + at),
+                                         hn::Load(d, rays.shear[2] + at), hn::Load(d, trace.packet.tnear + at),
+                                         hn::Load(d, trace.packet.t + at));
                 unsigned hits = bits_of(d, tested.hit) & (lanes >> at);
                 if constexpr (any) hits &= trace.open >> at;
                 if (hits == 0) continue;
@@ -541,16 +543,14 @@ HWY_INLINE void trace_scene(const SceneTree& scene, Trace<any>& trace, const Ray
     if (scene.instances().empty() || lanes == 0) return;
     if (scene.instances().size() == 1) return trace_instance(trace, rays, scene.instances().front(), lanes);
     const TreeNode* const nodes = scene.nodes();
-    const auto leaf = [&](std::uint32_t at, unsigned which) HWY_ATTR {
-        trace_instance(trace, rays, scene.instances()[TreeNode::first_of(at)], which);
-    };
+    const auto leaf = [&](std::uint32_t at, unsigned which)
+                          HWY_ATTR { trace_instance(trace, rays, scene.instances()[TreeNode::first_of(at)], which); };
     // Instances are few: rays stay together as far as their boxes.
     const auto go_on = [&](auto& self, std::uint32_t at, unsigned which) HWY_ATTR -> void {
         if (TreeNode::is_leaf(at)) return leaf(at, which);
         for (unsigned i = 0; i < nodes[at].count; ++i) {
             alignas(64) float near[k_packet_rays];
-            const unsigned bits =
-                enter<false>(nodes[at], i, rays, trace.packet.tnear, trace.limit, near) & which;
+            const unsigned bits = enter<false>(nodes[at], i, rays, trace.packet.tnear, trace.limit, near) & which;
             if (bits != 0) self(self, nodes[at].child[i], bits);
         }
     };
@@ -582,7 +582,8 @@ void find_closest_of(std::span<const SceneTree* const> scenes, const RayQuery& q
     trace_scenes(scenes, trace, lanes);
 }
 
-unsigned find_occluded_of(std::span<const SceneTree* const> scenes, const RayQuery& query, RayPacket& packet, unsigned lanes)
+unsigned find_occluded_of(std::span<const SceneTree* const> scenes, const RayQuery& query, RayPacket& packet,
+                          unsigned lanes)
 {
     Trace<true> trace(query, packet, lanes);
     trace_scenes(scenes, trace, lanes);
@@ -603,7 +604,8 @@ void find_closest(std::span<const SceneTree* const> scenes, const RayQuery& quer
     HWY_DYNAMIC_DISPATCH(find_closest_of)(scenes, query, packet);
 }
 
-unsigned find_occluded(std::span<const SceneTree* const> scenes, const RayQuery& query, RayPacket& packet, unsigned lanes)
+unsigned find_occluded(std::span<const SceneTree* const> scenes, const RayQuery& query, RayPacket& packet,
+                       unsigned lanes)
 {
     return HWY_DYNAMIC_DISPATCH(find_occluded_of)(scenes, query, packet, lanes);
 }

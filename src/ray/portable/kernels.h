@@ -44,6 +44,7 @@ struct RayPacket {
 void find_closest(std::span<const SceneTree* const> scenes, const RayQuery& query, RayPacket& packet);
 /// @param lanes  bits of the lanes to trace
 /// @return       those that are occluded; none with RayQuery::thin
-unsigned find_occluded(std::span<const SceneTree* const> scenes, const RayQuery& query, RayPacket& packet, unsigned lanes);
+unsigned find_occluded(std::span<const SceneTree* const> scenes, const RayQuery& query, RayPacket& packet,
+                       unsigned lanes);
 
 }   // namespace gnomon::ray

@@ -95,8 +95,8 @@ RayScene::Impl::Scenes RayScene::Impl::scenes_of(Against against) const
     return {{&portable_still_scene, &portable_moving_scene}, 2};
 }
 
-void RayScene::Impl::closest_portably(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits,
-                                      Sides sides, Against against) const
+void RayScene::Impl::closest_portably(const RayQueue& rays, std::size_t begin, std::size_t end, Hits& hits, Sides sides,
+                                      Against against) const
 {
     RayQuery query;
     query.front_only = sides == Sides::front;
@@ -118,8 +118,8 @@ void RayScene::Impl::closest_portably(const RayQueue& rays, std::size_t begin, s
     }
 }
 
-void RayScene::Impl::occluded_portably(const RayQueue& rays, std::size_t begin, std::size_t end,
-                                       std::uint8_t* occluded, Against against) const
+void RayScene::Impl::occluded_portably(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* occluded,
+                                       Against against) const
 {
     RayQuery query;
     query.mask = k_mask_blocks;
@@ -129,8 +129,7 @@ void RayScene::Impl::occluded_portably(const RayQueue& rays, std::size_t begin, 
         const std::size_t count = std::min(k_packet_rays, end - at);
         const unsigned lanes = load(packet, rays, at, count);
         const unsigned dark = find_occluded(scenes.span(), query, packet, lanes);
-        for (std::size_t i = 0; i < count; ++i)
-            occluded[at - begin + i] = static_cast<std::uint8_t>((dark >> i) & 1);
+        for (std::size_t i = 0; i < count; ++i) occluded[at - begin + i] = static_cast<std::uint8_t>((dark >> i) & 1);
     }
 }
 

@@ -110,6 +110,9 @@ class Builder {
             else
                 parts[which].final = true;
         }
+        // The largest first, because rays that look for any hit most likely find it there.
+        std::stable_sort(parts, parts + count,
+                         [](const Range& a, const Range& b) { return half_area(a.box) > half_area(b.box); });
         nodes_[node].count = count;
         for (unsigned i = 0; i < count; ++i) {
             if (parts[i].final || parts[i].size() <= 1) {
@@ -328,11 +331,12 @@ void SceneTree::add(const TriangleTree& tree, unsigned id, scene::ObjectId objec
     Box3 box;
     const Box3& own = tree.box();
     for (int corner = 0; corner < 8; ++corner)
-        box.add(transform_point(to_world, glm::vec3(corner & 1 ? own.high.x : own.low.x,
-                                                    corner & 2 ? own.high.y : own.low.y,
-                                                    corner & 4 ? own.high.z : own.low.z)));
+        box.add(transform_point(to_world,
+                                glm::vec3(corner & 1 ? own.high.x : own.low.x, corner & 2 ? own.high.y : own.low.y,
+                                          corner & 4 ? own.high.z : own.low.z)));
     // Rays are rounded in the space of the instance.
-    const float margin = 4 * k_box_margin * std::max({largest(box.low), largest(box.high), largest(glm::vec3(to_world[3]))});
+    const float margin =
+        4 * k_box_margin * std::max({largest(box.low), largest(box.high), largest(glm::vec3(to_world[3]))});
     instance.box = {box.low - margin, box.high + margin};
     if (is_finite(instance.box.low) && is_finite(instance.box.high)) instances_.push_back(instance);
 }

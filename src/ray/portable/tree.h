@@ -87,11 +87,11 @@ class TriangleTree {
 /// A tree of triangles in a scene.
 struct TreeInstance {
     const TriangleTree* tree = nullptr;
-    unsigned id = RTC_INVALID_GEOMETRY_ID;    // Embree's id of the instance; invalid: world-space triangles
-    scene::ObjectId object = scene::none;     // none: the object of the geometry's record
-    bool identity = true;                     // the tree is in world space
-    std::array<float, 12> to_object{};        // by column: three of the linear part, one of the translation
-    Box3 box;                                 // in world space
+    unsigned id = RTC_INVALID_GEOMETRY_ID;   // Embree's id of the instance; invalid: world-space triangles
+    scene::ObjectId object = scene::none;    // none: the object of the geometry's record
+    bool identity = true;                    // the tree is in world space
+    std::array<float, 12> to_object{};       // by column: three of the linear part, one of the translation
+    Box3 box;                                // in world space
 };
 
 /// A scene: instances of trees, and a tree over them.
