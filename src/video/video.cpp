@@ -39,6 +39,16 @@ std::string instruction_set_of(const RenderOptions& options)
     return options.arithmetic == Arithmetic::portable ? "auto" : fmt::format("native {}", instruction_set_name());
 }
 
+video::VideoIdentity identity_of(const Scene& scene, const Renderer& renderer, Size size)
+{
+    return {scene.info().name,
+            size,
+            video::fingerprint_of(*api::scene_of(scene)),
+            std::string(version()),
+            video::fingerprint_of_options(scene, renderer.options()),
+            instruction_set_of(renderer.options())};
+}
+
 void check_job(const Scene& scene, const VideoJob& job, FrameRange frames, io::OutputKind kind)
 {
     const std::string out = job.out.string();
@@ -167,13 +177,7 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
 
     video::FramesFolder folder(job.out);
     if (kind == io::OutputKind::video) {
-        const video::VideoIdentity identity{scene.info().name,
-                                            result.size,
-                                            video::fingerprint_of(*api::scene_of(scene)),
-                                            std::string(version()),
-                                            video::fingerprint_of_options(scene, renderer.options()),
-                                            instruction_set_of(renderer.options())};
-        result.discarded = folder.open(identity, job.resume, job.chunks > 1);
+        result.discarded = folder.open(identity_of(scene, renderer, result.size), job.resume, job.chunks > 1);
     }
 
     // Remove the folder only if it is empty, because other chunks may be about to write their first frame. Ignore

@@ -52,7 +52,7 @@ bool occludes(const TreeInstance& instance, std::uint32_t geometry, std::uint32_
 bool comes_first(const TreeInstance& a, std::uint32_t a_geometry, std::uint32_t a_triangle, const TreeInstance& b,
                  std::uint32_t b_geometry, std::uint32_t b_triangle)
 {
-    return std::tuple(object_of(a, a_geometry), triangle_of(a, a_geometry, a_triangle)) <
+    return std::tuple(object_of(a, a_geometry), triangle_of(a, a_geometry, a_triangle)) >
            std::tuple(object_of(b, b_geometry), triangle_of(b, b_geometry, b_triangle));
 }
 

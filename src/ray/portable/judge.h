@@ -19,7 +19,8 @@ bool is_met(const TreeInstance& instance, std::uint32_t geometry, std::uint32_t 
 /// block then.
 bool occludes(const TreeInstance& instance, std::uint32_t geometry, std::uint32_t triangle, float u, float v,
               const RayQuery& query, std::size_t lane);
-/// Whether the first of two hits at the same distance wins: the smaller object, then the smaller triangle.
+/// Whether the first of two hits at the same distance wins: the later object, then the later triangle. (Where the walls
+/// of a room meet, ceilings and floors often come first and extend into the walls.)
 bool comes_first(const TreeInstance& a, std::uint32_t a_geometry, std::uint32_t a_triangle, const TreeInstance& b,
                  std::uint32_t b_geometry, std::uint32_t b_triangle);
 /// The object and the triangle of its mesh.

@@ -46,7 +46,8 @@ struct Rays {
     // The origin with the margin that boxes get: for their low sides and for their high sides.
     alignas(64) float for_low[3][k_packet_rays], for_high[3][k_packet_rays];
     alignas(64) float inverse[3][k_packet_rays];
-    alignas(64) float shear[3][k_packet_rays];   // by axis: next, after next, along
+    // With the axis of the largest component last: the direction, and its first two over the last.
+    alignas(64) float turned[3][k_packet_rays], shear[2][k_packet_rays];
     // Bits of lanes: whose component of the direction is negative; with the largest component along x, along y.
     unsigned negative[3], along_x, along_y;
     bool same_axis, same_signs;   // of all lanes in use
@@ -122,9 +123,10 @@ HWY_INLINE void prepare(Rays& rays, const float (&direction)[3][k_packet_rays], 
         const auto choose = [&](V if_x, V if_y, V if_z)
                                 HWY_ATTR { return hn::IfThenElse(by_x, if_x, hn::IfThenElse(by_y, if_y, if_z)); };
         const V scale = choose(slope[0], slope[1], slope[2]);
-        hn::Store(hn::Mul(choose(along[1], along[2], along[0]), scale), d, rays.shear[0] + at);
-        hn::Store(hn::Mul(choose(along[2], along[0], along[1]), scale), d, rays.shear[1] + at);
-        hn::Store(scale, d, rays.shear[2] + at);
+        const V turned[3] = {choose(along[1], along[2], along[0]), choose(along[2], along[0], along[1]),
+                             choose(along[0], along[1], along[2])};
+        for (int a = 0; a < 3; ++a) hn::Store(turned[a], d, rays.turned[a] + at);
+        for (int a = 0; a < 2; ++a) hn::Store(hn::Mul(turned[a], scale), d, rays.shear[a] + at);
         rays.along_x |= bits_of(d, by_x) << at, rays.along_y |= bits_of(d, by_y) << at;
     }
     const auto agree = [lanes](unsigned bits) { return (bits & lanes) == 0 || (bits & lanes) == lanes; };
@@ -138,6 +140,22 @@ HWY_INLINE void prepare(Rays& rays, const float (&direction)[3][k_packet_rays], 
         rays.least_inverse[a] = least_of(rays.inverse[a]), rays.most_inverse[a] = most_of(rays.inverse[a]);
     }
     rays.least_near = least_of(tnear);
+}
+
+// The distance of a hit along a ray, rounded once but for one in many millions: surfaces that meet at an edge are
+// equally far there, so that the order of objects decides, and not rounding.
+inline float distance_of(const Rays& rays, std::size_t lane, const TriangleBlock& block, unsigned which)
+{
+    const int k = rays.along(lane);
+    glm::dvec3 origin, direction, corner[3];
+    for (int i = 0; i < 3; ++i) {
+        const int axis = (k + 1 + i) % 3;
+        origin[axis] = static_cast<double>(rays.origin[axis][lane]);
+        direction[axis] = static_cast<double>(rays.turned[i][lane]);
+        for (int c = 0; c < 3; ++c) corner[c][axis] = static_cast<double>(block.corner[c][axis][which]);
+    }
+    const glm::dvec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
+    return static_cast<float>(glm::dot(corner[0] - origin, normal) / glm::dot(direction, normal));
 }
 
 // The state of a trace.
@@ -159,7 +177,8 @@ struct Trace {
     void set_limit(std::size_t lane) { limit[lane] = packet.t[lane] + k_hit_slack * packet.t[lane]; }
 
     // Takes a hit of a lane, unless the surface is not there for this ray.
-    void take(std::size_t lane, const TriangleBlock& block, unsigned which, float t, float u, float v, bool behind)
+    void take(const Rays& rays, std::size_t lane, const TriangleBlock& block, unsigned which, float u, float v,
+              bool behind)
     {
         if constexpr (any) {
             if (block.judged_any[which] &&
@@ -171,6 +190,8 @@ struct Trace {
             if (block.judged_closest[which] &&
                 !is_met(*instance, block.geometry[which], block.triangle[which], u, v, behind, query.front_only))
                 return;
+            const float t = distance_of(rays, lane, block, which);
+            if (!(t > packet.tnear[lane] && t <= packet.t[lane])) return;
             if (t == packet.t[lane] && packet.instance[lane] &&
                 !comes_first(*instance, block.geometry[which], block.triangle[which], *packet.instance[lane],
                              packet.geometry[lane], packet.triangle[lane]))
@@ -192,7 +213,8 @@ struct Tested {
 };
 template <class D>
 HWY_INLINE Tested<D> test(D d, const hn::Vec<D> (&a)[3], const hn::Vec<D> (&b)[3], const hn::Vec<D> (&c)[3],
-                          hn::Vec<D> shear_a, hn::Vec<D> shear_b, hn::Vec<D> scale, hn::Vec<D> tnear, hn::Vec<D> tfar)
+                          hn::Vec<D> shear_a, hn::Vec<D> shear_b, hn::Vec<D> along_a, hn::Vec<D> along_b,
+                          hn::Vec<D> along_c, hn::Vec<D> tnear, hn::Vec<D> tfar)
 {
     const auto ax = hn::Sub(a[0], hn::Mul(shear_a, c[0])), ay = hn::Sub(b[0], hn::Mul(shear_b, c[0]));
     const auto bx = hn::Sub(a[1], hn::Mul(shear_a, c[1])), by = hn::Sub(b[1], hn::Mul(shear_b, c[1]));
@@ -207,8 +229,15 @@ HWY_INLINE Tested<D> test(D d, const hn::Vec<D> (&a)[3], const hn::Vec<D> (&b)[3
     result.sum = sum;
     result.hit = hn::And(hn::Or(hn::Ge(least, hn::Neg(slack)), hn::Le(most, slack)), hn::Ne(sum, hn::Zero(d)));
     if (hn::AllFalse(d, result.hit)) return result;
-    const auto depth = hn::Add(hn::Add(hn::Mul(u, c[0]), hn::Mul(v, c[1])), hn::Mul(w, c[2]));
-    result.t = hn::Div(hn::Mul(depth, scale), sum);
+    // The distance to the plane, from the ray's own direction: planes that meet at an edge are equally far there.
+    const auto a1 = hn::Sub(a[1], a[0]), b1 = hn::Sub(b[1], b[0]), c1 = hn::Sub(c[1], c[0]);
+    const auto a2 = hn::Sub(a[2], a[0]), b2 = hn::Sub(b[2], b[0]), c2 = hn::Sub(c[2], c[0]);
+    const auto na = hn::Sub(hn::Mul(b1, c2), hn::Mul(c1, b2)), nb = hn::Sub(hn::Mul(c1, a2), hn::Mul(a1, c2)),
+               nc = hn::Sub(hn::Mul(a1, b2), hn::Mul(b1, a2));
+    const auto height = hn::Add(hn::Add(hn::Mul(na, a[0]), hn::Mul(nb, b[0])), hn::Mul(nc, c[0]));
+    const auto slope = hn::Add(hn::Add(hn::Mul(na, along_a), hn::Mul(nb, along_b)), hn::Mul(nc, along_c));
+    result.t = hn::Div(height, slope);
+    result.hit = hn::And(result.hit, hn::Ne(slope, hn::Zero(d)));
     result.hit = hn::And(result.hit, hn::And(hn::Gt(result.t, tnear), hn::Le(result.t, tfar)));
     result.u = v, result.v = w;   // times sum
     return result;
@@ -223,7 +252,8 @@ HWY_INLINE void meet_leaf(Trace<any>& trace, const Rays& rays, std::size_t lane,
     const V4 oa = hn::Set(d, rays.origin[next][lane]), ob = hn::Set(d, rays.origin[last][lane]),
              oc = hn::Set(d, rays.origin[k][lane]);
     const V4 shear_a = hn::Set(d, rays.shear[0][lane]), shear_b = hn::Set(d, rays.shear[1][lane]),
-             scale = hn::Set(d, rays.shear[2][lane]), tnear = hn::Set(d, trace.packet.tnear[lane]);
+             along_a = hn::Set(d, rays.turned[0][lane]), along_b = hn::Set(d, rays.turned[1][lane]),
+             along_c = hn::Set(d, rays.turned[2][lane]), tnear = hn::Set(d, trace.packet.tnear[lane]);
     const TriangleBlock* block = trace.instance->tree->blocks() + TreeNode::first_of(leaf);
     for (const TriangleBlock* const past = block + TreeNode::items_of(leaf); block != past; ++block) {
         V4 a[3], b[3], c[3];
@@ -232,15 +262,16 @@ HWY_INLINE void meet_leaf(Trace<any>& trace, const Rays& rays, std::size_t lane,
             b[i] = hn::Sub(hn::Load(d, block->corner[i][last]), ob);
             c[i] = hn::Sub(hn::Load(d, block->corner[i][k]), oc);
         }
-        const auto tested = test(d, a, b, c, shear_a, shear_b, scale, tnear, hn::Set(d, trace.packet.t[lane]));
+        const auto tested = test(d, a, b, c, shear_a, shear_b, along_a, along_b, along_c, tnear,
+                                 hn::Set(d, any ? trace.packet.t[lane] : trace.limit[lane]));
         unsigned hits = bits_of(d, tested.hit);
         if (hits == 0) continue;
-        alignas(16) float t[4], u[4], v[4], sum[4];
-        hn::Store(tested.t, d, t), hn::Store(tested.u, d, u), hn::Store(tested.v, d, v), hn::Store(tested.sum, d, sum);
+        alignas(16) float u[4], v[4], sum[4];
+        hn::Store(tested.u, d, u), hn::Store(tested.v, d, v), hn::Store(tested.sum, d, sum);
         for (; hits != 0; hits &= hits - 1) {
             const auto i = static_cast<unsigned>(std::countr_zero(hits));
-            if ((block->mask[i] & trace.query.mask) == 0 || !(t[i] <= trace.packet.t[lane])) continue;
-            trace.take(lane, *block, i, t[i], u[i] / sum[i], v[i] / sum[i], (sum[i] < 0) != rays.backward(lane));
+            if ((block->mask[i] & trace.query.mask) == 0) continue;
+            trace.take(rays, lane, *block, i, u[i] / sum[i], v[i] / sum[i], (sum[i] < 0) != rays.backward(lane));
             if constexpr (any)
                 if (trace.limit[lane] < 0) return;
         }
@@ -345,17 +376,18 @@ HWY_INLINE void meet_leaf(Trace<any>& trace, const Rays& rays, unsigned lanes, s
                     }
                 }
                 const auto tested = test(d, a, b, c, hn::Load(d, rays.shear[0] + at), hn::Load(d, rays.shear[1] + at),
-                                         hn::Load(d, rays.shear[2] + at), hn::Load(d, trace.packet.tnear + at),
-                                         hn::Load(d, trace.packet.t + at));
+                                         hn::Load(d, rays.turned[0] + at), hn::Load(d, rays.turned[1] + at),
+                                         hn::Load(d, rays.turned[2] + at), hn::Load(d, trace.packet.tnear + at),
+                                         hn::Load(d, (any ? trace.packet.t : trace.limit) + at));
                 unsigned hits = bits_of(d, tested.hit) & (lanes >> at);
                 if constexpr (any) hits &= trace.open >> at;
                 if (hits == 0) continue;
-                alignas(64) float t[k_lanes], u[k_lanes], v[k_lanes], sum[k_lanes];
-                hn::Store(tested.t, d, t), hn::Store(tested.sum, d, sum);
+                alignas(64) float u[k_lanes], v[k_lanes], sum[k_lanes];
+                hn::Store(tested.sum, d, sum);
                 hn::Store(hn::Div(tested.u, tested.sum), d, u), hn::Store(hn::Div(tested.v, tested.sum), d, v);
                 for (; hits != 0; hits &= hits - 1) {
                     const auto lane = static_cast<std::size_t>(std::countr_zero(hits));
-                    trace.take(at + lane, *block, i, t[lane], u[lane], v[lane],
+                    trace.take(rays, at + lane, *block, i, u[lane], v[lane],
                                (sum[lane] < 0) != rays.backward(at + lane));
                 }
             }

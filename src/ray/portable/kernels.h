@@ -5,7 +5,7 @@
 // Rays are tested against triangles in a space in which the ray is the z axis [Woop, Benthin and Wald 2013, 'Watertight
 // Ray/Triangle Intersection']. All operations are additions, multiplications, divisions, minima and maxima of single
 // precision, each rounded once: no fused multiply-add, no approximate reciprocal. A lane's result depends on its ray
-// alone: of equal distances the smaller object wins, then the smaller triangle. So the width of vectors, the packet and
+// alone: of equal distances the later object wins, then the later triangle. So the width of vectors, the packet and
 // the order of the traversal change the time only.
 //
 // A packet is traced together as long as several of its rays visit a node; the others go on singly, four boxes or four
