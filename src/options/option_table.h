@@ -47,7 +47,7 @@ enum class Kind : std::uint8_t {
     choice,   // one of `choices`
     size,     // WxH
     range,    // A-B
-    chunk,    // I/N, A-B, or A alone
+    chunk,    // I/N, or frames A-B
 };
 
 struct Option {

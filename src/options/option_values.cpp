@@ -126,7 +126,8 @@ std::optional<FrameRange> parse_range(std::string_view word)
 
 std::optional<Chunk> parse_chunk(std::string_view word)
 {
-    if (const auto frames = parse_range(word)) return Chunk{.frames = frames};
+    if (const auto range = parse_pair(word, "-"); range && range->first <= range->second)
+        return Chunk{.frames = FrameRange{range->first, range->second}};
     const auto pair = parse_pair(word, "/");
     if (!pair || pair->first > pair->second) return std::nullopt;
     return Chunk{pair->first, pair->second};

@@ -26,7 +26,7 @@ struct Chunk {
     int number = 1, of = 1;
     std::optional<FrameRange> frames{};
 };
-std::optional<Chunk> parse_chunk(std::string_view word);   // I/N, A-B, or A alone
+std::optional<Chunk> parse_chunk(std::string_view word);   // I/N, or frames A-B
 
 /// Asking for an option that the subcommand does not have is an internal error (InternalError).
 class OptionValues {

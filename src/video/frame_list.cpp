@@ -42,7 +42,7 @@ std::string list_frames(const std::vector<int>& frames)
 std::string first_range(std::vector<int> frames)
 {
     std::sort(frames.begin(), frames.end());
-    return range_text(frames.front(), frames[end_of_range(frames, 0) - 1]);
+    return fmt::format("{}-{}", frames.front(), frames[end_of_range(frames, 0) - 1]);
 }
 
 }   // namespace gnomon::video

@@ -11,7 +11,7 @@ namespace gnomon::video {
 /// @param frames  ascending, at least one
 std::string list_frames(const std::vector<int>& frames);
 
-/// The first range of consecutive frames, as options take it: "3" or "3-7".
+/// The first range of consecutive frames, as --chunk takes it: "3-3" or "3-7".
 /// @param frames  in any order, at least one
 std::string first_range(std::vector<int> frames);
 

@@ -104,6 +104,7 @@ for ((i = 0; i < 1200; ++i)); do
         first=$(((chunk - 1) * 4 + 1))
         if [[ -n $chunk && -e $frames/frame-$(printf %06d "$first").png && ! -e $frames/frame-$(printf %06d $((first + 3))).png ]]; then
             kill -9 "$second"
+            wait "$second" 2>/dev/null || true   # so that the shell does not report it
             killed=$chunk
             say "node2 killed in chunk $killed, frames there: $(find "$frames" -name 'frame-*.png' | wc -l)"
         fi
