@@ -40,7 +40,8 @@ void check_frames(const video::FramesFolder& folder, const video::VideoIdentity&
                                      identity.frames.last, missing.size() == 1 ? "is" : "are"));
     for (const auto& [reason, frames] : outdated) {
         faulty.insert(faulty.end(), frames.begin(), frames.end());
-        faults.push_back(fmt::format("{} {} {}", video::list_frames(frames), frames.size() == 1 ? "is" : "are", reason));
+        faults.push_back(
+            fmt::format("{} {} {}", video::list_frames(frames), frames.size() == 1 ? "is" : "are", reason));
     }
     if (faults.empty()) return;
     throw UsageError(fmt::format("{}: {}; render again with --chunk {}", folder.path().string(),

@@ -86,8 +86,12 @@ std::string comment_of_mp4(const fs::path& file)
         std::uintmax_t skipped;
     };
     std::uintmax_t begin = 0, end = size;
-    for (const Step step : {Step{type_of("moov"), 0}, Step{type_of("udta"), 0}, Step{type_of("meta"), 4},
-                            Step{type_of("ilst"), 0}, Step{type_of("\xa9" "cmt"), 0}, Step{type_of("data"), 8}}) {
+    for (const Step step :
+         {Step{type_of("moov"), 0}, Step{type_of("udta"), 0}, Step{type_of("meta"), 4}, Step{type_of("ilst"), 0},
+          Step{type_of("\xa9"
+                       "cmt"),
+               0},
+          Step{type_of("data"), 8}}) {
         const std::optional<Box> box = find_box(in, begin, end, step.type);
         if (!box || box->end - box->content < step.skipped) return {};
         begin = box->content + step.skipped, end = box->end;

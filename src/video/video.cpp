@@ -143,7 +143,8 @@ void write_sheet(const std::vector<FrameRecord>& frames, const fs::path& out)
     write_contact_sheet(pngs, labels, std::min<int>(k_sheet_columns, static_cast<int>(pngs.size())), out);
 }
 
-video::VideoIdentity identity_of(const Scene& scene, const RenderOptions& options, const VideoJob& job, FrameRange whole)
+video::VideoIdentity identity_of(const Scene& scene, const RenderOptions& options, const VideoJob& job,
+                                 FrameRange whole)
 {
     video::VideoIdentity identity;
     identity.scene = scene.info().name;
@@ -241,8 +242,9 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
     if (kind == io::OutputKind::video && renderer.options().background == BackgroundKind::transparent)
         throw UsageError("a video has no alpha: choose a background of one colour, or write numbered .png images");
     if (!job.frames && kind != io::OutputKind::image && scene.frame_count() > k_most_frames_unasked)
-        throw UsageError(fmt::format("the clip has {} frames, which is more than {}: name those to render, --frames 1-{}",
-                                     scene.frame_count(), k_most_frames_unasked, k_most_frames_unasked));
+        throw UsageError(
+            fmt::format("the clip has {} frames, which is more than {}: name those to render, --frames 1-{}",
+                        scene.frame_count(), k_most_frames_unasked, k_most_frames_unasked));
     const FrameRange whole =
         job.frames.value_or(FrameRange{1, kind == io::OutputKind::image ? 1 : scene.frame_count()});
     check_job(scene, job, whole, kind);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Videos rendered by many machines: finished ones are left alone, outdated frames are rendered again, chunks are joined.
+// Videos rendered by many machines: finished ones are left alone, outdated frames are rendered again, chunks are
+// joined.
 #include <fmt/format.h>
 
 #include "base/instruction_set.h"
@@ -22,8 +23,8 @@ class Farm : public testing::Test {
     }
     std::vector<std::string> arguments(const std::string& name, const std::vector<std::string>& more = {}) const
     {
-        std::vector<std::string> all{"render", k_scene, "-o", folder / name, "--frames",   "1-12",
-                                     "--size", "65x49", "--indirect", "off"};
+        std::vector<std::string> all{"render", k_scene,  "-o",    folder / name, "--frames",
+                                     "1-12",   "--size", "65x49", "--indirect",  "off"};
         all.insert(all.end(), more.begin(), more.end());
         return all;
     }
@@ -44,7 +45,10 @@ class Farm : public testing::Test {
         std::fill(image.data.begin(), image.data.end(), std::uint8_t{0});
         io::write_png(file, image, text);
     }
-    static std::string stamp_of(const fs::path& file) { return io::comment_of_whole_png(file, 65, 49).value_or("none"); }
+    static std::string stamp_of(const fs::path& file)
+    {
+        return io::comment_of_whole_png(file, 65, 49).value_or("none");
+    }
     ScratchFolder folder;
 };
 
@@ -121,9 +125,11 @@ TEST_F(Farm, RendersFramesOfAnotherVersionInstructionSetOrSceneAgain)
     make("b.mp4", {"--chunk", "9-12"});
     const Outcome refused = run({"join", folder / "b.mp4"});
     EXPECT_EQ(refused.code, 2);
-    for (const char* part : {"frames 2-3 are rendered by version 0.0.1, not ", "frame 5 is rendered with the instruction "
-                             "set mmx, not ", "frame 7 is of another scene", "frame 8 is without a note",
-                             "render again with --chunk 2-3"})
+    for (const char* part :
+         {"frames 2-3 are rendered by version 0.0.1, not ",
+          "frame 5 is rendered with the instruction "
+          "set mmx, not ",
+          "frame 7 is of another scene", "frame 8 is without a note", "render again with --chunk 2-3"})
         EXPECT_NE(refused.err.find(part), std::string::npos) << part << " in: " << refused.err;
     EXPECT_FALSE(fs::exists(folder / "b.mp4"));
 
@@ -216,7 +222,8 @@ TEST_F(Farm, ParallelChunksMakeTheSameBytes)
     if (std::system("parallel --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no GNU parallel";
     make("whole.mp4");
     const std::string line = fmt::format(
-        "seq 4 | parallel --jobs 2 '{0}' render {1} -o '{2}' --frames 1-12 --size 65x49 --indirect off --quiet --chunk {{}}/4 --resume "
+        "seq 4 | parallel --jobs 2 '{0}' render {1} -o '{2}' --frames 1-12 --size 65x49 --indirect off --quiet --chunk "
+        "{{}}/4 --resume "
         "&& '{0}' join '{2}' --quiet",
         places::program, k_scene, (folder / "a.mp4").string());
     ASSERT_EQ(std::system(line.c_str()), 0) << line;
@@ -227,7 +234,10 @@ TEST(Mp4, ReadsTheCommentOfItsOwnFilesOnly)
 {
     const ScratchFolder folder;
     EXPECT_EQ(video::comment_of_mp4(folder / "none.mp4"), "");
-    const std::string nothing[] = {"", "moov", std::string(64, '\0'), std::string(64, '\xff'),
+    const std::string nothing[] = {"",
+                                   "moov",
+                                   std::string(64, '\0'),
+                                   std::string(64, '\xff'),
                                    std::string("\0\0\0\x10moov\0\0\0\x08udta", 16),
                                    std::string("\0\0\0\x1cmoov\0\0\0\x14udta\0\0\0\x0cmeta\0\0", 26)};
     for (const std::string& bytes : nothing) {
