@@ -52,7 +52,7 @@ def chunk_time(cost, length):
     return cost["cold"] + length * cost["steady"]
 
 
-def film_time(cost, length, machines):
+def video_time(cost, length, machines):
     """Seconds until the video is there: rounds of chunks on all machines, then the encoder on one."""
     rounds = math.ceil(math.ceil(cost["frames"] / length) / machines)
     return rounds * chunk_time(cost, min(length, cost["frames"])) + cost["frames"] * cost["join"]
@@ -99,10 +99,10 @@ def main():
         for length in sorted({1, best_length(cost), 10 * best_length(cost)}):
             if length > cost["frames"]:
                 continue
-            cells = " | ".join(shown(film_time(cost, length, n)) for n in MACHINES)
+            cells = " | ".join(shown(video_time(cost, length, n)) for n in MACHINES)
             print(f"| {name} | {length} | {cells} |")
         even = [max(1, math.ceil(cost["frames"] / n)) for n in MACHINES]
-        cells = " | ".join(f"{shown(film_time(cost, length, n))} ({length})" for n, length in zip(MACHINES, even))
+        cells = " | ".join(f"{shown(video_time(cost, length, n))} ({length})" for n, length in zip(MACHINES, even))
         print(f"| {name} | one for each machine | {cells} |")
 
 

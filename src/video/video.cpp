@@ -225,12 +225,21 @@ std::vector<bool> find_kept(const VideoJob& job, FrameRange range, const video::
     return kept;
 }
 
-// Writes a frame of a video, as Frame::write does, with a text that says what it shows.
-void write_stamped(const Frame& frame, const fs::path& file, const std::string& stamp)
+// Writes a frame to the record's file and notes what it took. A frame of a video, which is a PNG without alpha, carries
+// a stamp.
+void write_frame(const Frame& frame, const std::string& stamp, FrameRecord& record)
 {
-    Image8 image(frame.size.width, frame.size.height, 3);
-    image.data = frame.to_srgb8();
-    io::write_png(file, image, stamp);
+    if (stamp.empty()) {
+        frame.write(record.file);
+    } else {
+        Image8 image(frame.size.width, frame.size.height, 3);
+        image.data = frame.to_srgb8();
+        io::write_png(record.file, image, stamp);
+    }
+    record.milliseconds = frame.milliseconds;
+    record.times = frame.times;
+    record.counters = frame.counters;
+    record.noise = frame.noise;
 }
 }   // namespace
 
@@ -300,14 +309,7 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
                 if (!warm) warm_up(scene, renderer, frame, warm_up_frames, progress);
                 warm = true;
                 const Frame image = renderer.render(scene, frame, [&](const ProgressStep& s) { return step(s.done); });
-                if (kind == io::OutputKind::video)
-                    write_stamped(image, record.file, video::stamp_of(identity));
-                else
-                    image.write(record.file);
-                record.milliseconds = image.milliseconds;
-                record.times = image.times;
-                record.counters = image.counters;
-                record.noise = image.noise;
+                write_frame(image, kind == io::OutputKind::video ? video::stamp_of(identity) : "", record);
             }
             if (on_frame) on_frame(record);
             result.frames.push_back(std::move(record));

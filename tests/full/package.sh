@@ -38,15 +38,15 @@ in_namespace() {
     # Render an image, and a chunk of a video; without ffmpeg, a video is refused in one line.
     enter gnomon render builtin:cornell -o /image.png --size 160x120 --quiet
     [[ $(head -c 4 "$root/image.png" | tail -c 3) == PNG ]] || fail "no image"
-    enter gnomon render builtin:cornell -o /film.mp4 --size 160x120 --frames 1-4 --chunk 1/2 --quiet
-    enter gnomon render builtin:cornell -o /film.mp4 --size 160x120 --frames 1-4 --chunk 2/2 --quiet
+    enter gnomon render builtin:cornell -o /video.mp4 --size 160x120 --frames 1-4 --chunk 1/2 --quiet
+    enter gnomon render builtin:cornell -o /video.mp4 --size 160x120 --frames 1-4 --chunk 2/2 --quiet
     local rc=0
-    enter gnomon join /film.mp4 2>"$root/log" || rc=$?
+    enter gnomon join /video.mp4 2>"$root/log" || rc=$?
     [[ $rc -eq 4 ]] && grep -q ffmpeg "$root/log" || fail "without ffmpeg: exit code $rc, $(cat "$root/log")"
     enter apt-get -qq install --no-install-recommends -o Dpkg::Use-Pty=0 ffmpeg >"$root/log" 2>&1 ||
         { tail -n 20 "$root/log"; fail "apt cannot install ffmpeg"; }
-    enter gnomon join /film.mp4
-    enter ffmpeg -v error -i /film.mp4 -f null - || fail "the video does not play"
+    enter gnomon join /video.mp4
+    enter ffmpeg -v error -i /video.mp4 -f null - || fail "the video does not play"
     enter gnomon devices
     for file in usr/share/man/man1/gnomon.1 usr/share/doc/gnomon/copyright usr/share/doc/gnomon/examples/slurm/submit.sh \
         usr/include/gnomon/gnomon.h; do

@@ -93,10 +93,10 @@ say "one run: $(sha256sum <"$scratch/whole.mp4" | cut -c1-16)"
 # Submit it.
 cd "$scratch/logs"
 export GNOMON=$program
-say "submitted: $("$examples/submit.sh" 6 builtin:kinetic "$scratch/film.mp4" "${options[@]}")"
+say "submitted: $("$examples/submit.sh" 6 builtin:kinetic "$scratch/video.mp4" "${options[@]}")"
 
 # Kill the second node as soon as the chunk that it renders has its first frame.
-frames=$scratch/film.mp4.frames
+frames=$scratch/video.mp4.frames
 chunk='' killed=''
 for ((i = 0; i < 1200; ++i)); do
     if [[ -z $killed ]]; then
@@ -114,16 +114,16 @@ for ((i = 0; i < 1200; ++i)); do
     now="$(sinfo -h -N -o '%N %t' | tr '\n' ';') jobs: $(squeue -h -r -o '%K %T %N' | tr '\n' ';')"
     [[ $now == "${before:-}" ]] || say "$now"
     before=$now
-    [[ -e $scratch/film.mp4 || -z $(squeue -h) ]] && break
+    [[ -e $scratch/video.mp4 || -z $(squeue -h) ]] && break
     sleep 0.5
 done
 [[ -n $killed ]] || fail "no chunk was rendered on node2"
-[[ -e $scratch/film.mp4 ]] || fail "no video"
+[[ -e $scratch/video.mp4 ]] || fail "no video"
 for ((i = 0; i < 20; ++i)); do [[ -z $(squeue -h) ]] && break; sleep 0.5; done
 
 echo "logs of the tasks:"
 for log in gnomon-render-*.log gnomon-encode-*.log; do sed "s|$scratch/||g; s|^|    $log: |" "$log"; done
 grep -q "chunk $killed/6 on node1, start 1" gnomon-render-*-"$killed".log || fail "the killed chunk was not started again"
-cmp "$scratch/whole.mp4" "$scratch/film.mp4" || fail "the video differs from that of one run"
+cmp "$scratch/whole.mp4" "$scratch/video.mp4" || fail "the video differs from that of one run"
 [[ ! -e $frames ]] || fail "frames are left"
-say "six chunks on two nodes, one killed: $(sha256sum <"$scratch/film.mp4" | cut -c1-16), the same bytes"
+say "six chunks on two nodes, one killed: $(sha256sum <"$scratch/video.mp4" | cut -c1-16), the same bytes"

@@ -242,7 +242,7 @@ class Template(unittest.TestCase):
         if not shutil.which("ffmpeg"):
             self.skipTest("no ffmpeg")
         with tempfile.TemporaryDirectory() as folder:
-            given = {"Scene": "builtin:cornell", "Out": folder + "/film.mp4", "LastFrame": 7, "ChunkLength": 3,
+            given = {"Scene": "builtin:cornell", "Out": folder + "/video.mp4", "LastFrame": 7, "ChunkLength": 3,
                      "Size": "65x49", "Program": self.program}
             values = {"Param." + d["name"]: given.get(d["name"], d.get("default"))
                       for d in self.template["parameterDefinitions"]}
@@ -254,7 +254,7 @@ class Template(unittest.TestCase):
             whole = folder + "/whole.mp4"
             subprocess.run([self.program, "render", "builtin:cornell", "-o", whole, "--frames", "1-7", "--size", "65x49",
                             "--quiet"], check=True)
-            self.assertEqual(Path(whole).read_bytes(), Path(folder, "film.mp4").read_bytes())
+            self.assertEqual(Path(whole).read_bytes(), Path(folder, "video.mp4").read_bytes())
 
 
 if __name__ == "__main__":
