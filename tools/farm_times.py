@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Measures what a chunk of a video costs, and prints the tables of docs/guide/farm.md.
 
-Each chunk is a run of its own with one thread; times are processor time, which other work on the machine hardly
-affects. A chunk of L frames costs cold + L * steady. `cold` is the start of the program, the scene, the trees of rays and
-the caches that the first frame fills; `steady` is a frame whose caches are full.
+Each chunk is a run of its own with one thread; times are processor time, which other work on the machine affects least. A
+frame after the first ones costs `steady`: the difference of the two longest chunks. The `cold` start is what a chunk costs
+beyond that: the start of the program, the scene, the trees of rays, and the caches that the first frames fill.
 
     farm_times.py [--program PATH] [--size WxH] [NAME=SCENE[,option...] ...]
 """
@@ -49,7 +49,12 @@ def measure(program, scene, options, size, folder):
 
 
 def chunk_time(cost, length):
-    return cost["cold"] + length * cost["steady"]
+    """As measured, linearly between the lengths that were measured, and by `steady` frames beyond."""
+    times, lengths = cost["times"], sorted(cost["times"])
+    for a, b in zip(lengths, lengths[1:]):
+        if a <= length <= b:
+            return times[a] + (times[b] - times[a]) * (length - a) / (b - a)
+    return times[lengths[-1]] + (length - lengths[-1]) * cost["steady"]
 
 
 def video_time(cost, length, machines):
@@ -60,14 +65,15 @@ def video_time(cost, length, machines):
 
 def best_length(cost):
     """The shortest chunk of which the cold start is at most a tenth."""
-    length = cost["cold"] * (1 - OVERHEAD) / OVERHEAD / cost["steady"]
-    return min(cost["frames"], max(1, math.ceil(length)))
+    for length in range(1, cost["frames"]):
+        if chunk_time(cost, length) - length * cost["steady"] <= OVERHEAD * chunk_time(cost, length):
+            return length
+    return cost["frames"]
 
 
 def shown(seconds):
-    if seconds < 100:
-        return f"{seconds:.2g} s" if seconds < 10 else f"{seconds:.0f} s"
-    return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"
+    value, unit = (seconds, "s") if seconds < 100 else (seconds / 60, "min") if seconds < 6000 else (seconds / 3600, "h")
+    return f"{value:.1f} {unit}" if value < 10 else f"{value:.0f} {unit}"
 
 
 def main():
@@ -85,20 +91,24 @@ def main():
             times, join, frames = measure(arguments.program, scene, options, arguments.size, folder)
         longest, middle = LENGTHS[-1], LENGTHS[-2]
         steady = (times[longest] - times[middle]) / (longest - middle)
-        costs[name] = {"frames": frames, "steady": steady, "cold": max(0.0, times[middle] - middle * steady), "join": join}
+        costs[name] = {"frames": frames, "times": times, "steady": steady, "cold": times[longest] - longest * steady,
+                       "join": join}
         print(f"# {name}: " + ", ".join(f"{length}: {t:.2f} s" for length, t in times.items()), file=sys.stderr, flush=True)
+    print_tables(costs)
 
-    print("| scene | frames | cold start | a frame after it | join, a frame | shortest chunk with 10 % overhead |")
-    print("|---|--:|--:|--:|--:|--:|")
+
+def print_tables(costs):
+    print("| scene | frames | " + " | ".join(f"chunk of {n}" for n in LENGTHS) +
+          " | cold start | a later frame | join, a frame | best chunk |")
+    print("|---|" + "--:|" * (len(LENGTHS) + 5))
     for name, cost in costs.items():
-        print(f"| {name} | {cost['frames']} | {shown(cost['cold'])} | {shown(cost['steady'])} | "
+        chunks = " | ".join(shown(cost["times"][n]) for n in LENGTHS)
+        print(f"| {name} | {cost['frames']} | {chunks} | {shown(cost['cold'])} | {shown(cost['steady'])} | "
               f"{1000 * cost['join']:.0f} ms | {best_length(cost)} |")
     print("\n| scene | chunks of | " + " | ".join(f"{n:,} machine{'s' if n > 1 else ''}" for n in MACHINES) + " |")
     print("|---|--:|" + "--:|" * len(MACHINES))
     for name, cost in costs.items():
-        for length in sorted({1, best_length(cost), 10 * best_length(cost)}):
-            if length > cost["frames"]:
-                continue
+        for length in sorted({1, best_length(cost)}):
             cells = " | ".join(shown(video_time(cost, length, n)) for n in MACHINES)
             print(f"| {name} | {length} | {cells} |")
         even = [max(1, math.ceil(cost["frames"] / n)) for n in MACHINES]
