@@ -30,7 +30,7 @@ struct VideoIdentity {
     std::uint64_t fingerprint = 0;         // of everything that pixels depend on, see fingerprint_of
     std::string version;                   // of Gnomon, because another version may render differently
     std::uint64_t scene_fingerprint = 0;   // of the scene alone
-    std::string instruction_set;           // see base/instruction_set.h
+    std::string instruction_set{};         // see base/instruction_set.h
     FrameRange frames{1, 1};               // of the whole video
     double fps = 24;
 };
