@@ -82,6 +82,7 @@ VideoJob video_job(const options::OptionValues& values, const Scene& scene)
     if (values.given("chunk")) {
         const options::Chunk chunk = *options::parse_chunk(values.text("chunk"));
         job.chunk = chunk.number, job.chunks = chunk.of;
+        job.part = chunk.frames;
     }
     job.resume = values.flag("resume");
     if (values.given("warm-up")) job.warm_up = values.integer("warm-up");
@@ -198,6 +199,8 @@ std::string summary_of(const VideoResult& result, double seconds)
     std::string frames = fmt::format("{} frame{}, {}x{}, {}", count, count == 1 ? "" : "s", result.size.width,
                                      result.size.height, duration_text(seconds));
     if (result.files.empty()) return fmt::format("nothing to do ({})", frames);
+    if (result.complete_before)
+        return fmt::format("{} is complete; nothing to do ({})", one_line(result.files.front().string()), frames);
     // State the noise of the noisiest frame.
     double noise = 0;
     for (const FrameRecord& record : result.frames) noise = std::max(noise, record.noise);
@@ -260,15 +263,16 @@ int run_render(const CommandLine& line, Output& output)
     Scene scene = load_scene(line, progress);
     if (values.given("turntable")) scene = scene.lasting(values.number("turntable"));
 
-    const VideoResult result =
-        render_video(scene, renderer, video_job(values, scene), progress, [&](const FrameRecord& r) {
-            if (values.flag("reference") && !r.kept)
-                output.detail(fmt::format("frame {}: noise {:.2f} % of the mean", r.frame, 100 * r.noise));
-            output.detail(r.kept ? fmt::format("frame {}: kept from an earlier run", r.frame)
-                                 : fmt::format("frame {}: {:.1f} ms, {} shadow rays, {} reflected, {} refracted",
-                                               r.frame, r.milliseconds, r.counters.shadow.rays,
-                                               r.counters.reflection_rays, r.counters.refraction_rays));
-        });
+    VideoJob job = video_job(values, scene);
+    job.on_notice = [&](const std::string& notice) { output.warn(notice); };
+    const VideoResult result = render_video(scene, renderer, job, progress, [&](const FrameRecord& r) {
+        if (values.flag("reference") && !r.kept)
+            output.detail(fmt::format("frame {}: noise {:.2f} % of the mean", r.frame, 100 * r.noise));
+        output.detail(r.kept ? fmt::format("frame {}: kept from an earlier run", r.frame)
+                             : fmt::format("frame {}: {:.1f} ms, {} shadow rays, {} reflected, {} refracted", r.frame,
+                                           r.milliseconds, r.counters.shadow.rays, r.counters.reflection_rays,
+                                           r.counters.refraction_rays));
+    });
     for (const std::string& warning : scene.info().warnings) output.warn(warning);
     warn_about_history(values, output);
     const std::chrono::duration<double> span = std::chrono::steady_clock::now() - start;

@@ -6,11 +6,12 @@
 
 #include "api/scene_access.h"
 #include "base/hash.h"
+#include "gnomon/renderer.h"
 #include "scene/environment.h"
 #include "scene/material_layers.h"
 #include "scene/scene.h"
 #include "scene/value_tracks.h"
-#include "video/frames_folder.h"
+#include "video/identity.h"
 
 namespace gnomon::video {
 
@@ -230,8 +231,13 @@ std::uint64_t fingerprint_of(const scene::Scene& scene)
 
 std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options)
 {
+    return fingerprint_of(fingerprint_of(*api::scene_of(scene)), scene, options);
+}
+
+std::uint64_t fingerprint_of(std::uint64_t of_scene, const Scene& scene, const RenderOptions& options)
+{
     Fingerprint print;
-    print.add(fingerprint_of(*api::scene_of(scene)));
+    print.add(of_scene);
     print.add(options.size.width), print.add(options.size.height);
     print.add(options.camera);
     print.add(options.turntable_seconds);

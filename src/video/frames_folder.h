@@ -2,36 +2,20 @@
 #pragma once
 // OUT.frames/: the frames of an unfinished video.
 //
-// A small manifest identifies the video, so that frames of another scene, size or option are never reused. Only our own
-// files are ever removed; a folder with other files is rejected. While a video is made, its folder is locked (flock),
-// so that two runs never mix or remove each other's frames; the chunks of one video share the lock. The lock ends with
-// the process, however that ends. On a file system without locks, the folder is not locked.
+// A small manifest identifies the video, and each frame carries a stamp of what it shows and what rendered it, so that
+// frames of another scene, size, option, version or instruction set are never reused. Only our own files are ever
+// removed; a folder with other files is rejected. While a video is made, its folder is locked (flock), so that two runs
+// never mix or remove each other's frames; the chunks of one video share the lock. The lock ends with the process,
+// however that ends. On a file system without locks, the folder is not locked.
 
-#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "gnomon/video.h"
-
-namespace gnomon::scene {
-class Scene;
-}
+#include "video/identity.h"
 
 namespace gnomon::video {
-
-/// Properties that all frames of a video have in common.
-struct VideoIdentity {
-    std::string scene;   // name, for messages
-    Size size;
-    std::uint64_t fingerprint = 0;   // of everything that pixels depend on, see fingerprint_of
-    std::string version;             // of Gnomon, because another version may render differently
-};
-
-/// Hash of everything in the scene that affects images, without names. Cost: its vertices and texels, and at most a
-/// thousand evaluations per track.
-std::uint64_t fingerprint_of(const scene::Scene& scene);
-/// Hash of that and of all options that affect images; the number of threads, for example, does not.
-std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options);
 
 class FramesFolder {
  public:
@@ -41,13 +25,25 @@ class FramesFolder {
     FramesFolder& operator=(const FramesFolder&) = delete;
 
     /// Creates the folder, or opens an existing one.
-    /// @param keep    keep frames of the same video; others are removed
-    /// @param shared  other processes may use it at the same time: frames of another video are then an error, too
-    /// @throws UsageError    it has frames of another video, or files that are not ours
+    /// @param keep    keep existing frames; their stamps say which of them can be reused
+    /// @param shared  other processes may use it at the same time, so that no frame is removed
+    /// @throws UsageError    to be kept or shared, it has frames of the same scene with other options; or chunks of
+    ///         another video are at work there; or it has files that are not ours
     /// @throws MissingError  it cannot be written, or another run uses it
     void open(const VideoIdentity& identity, bool keep, bool shared);
 
+    /// Opens an existing folder alone and keeps its frames. Returns what its manifest says; nothing if there is no
+    /// folder, or no manifest in it.
+    /// @throws MissingError  another run uses it
+    std::optional<VideoIdentity> open_existing();
+
     std::filesystem::path file(int frame) const;
+    /// Why a frame has to be rendered: it is not there or not complete (nothing), else how it differs.
+    struct Found {
+        std::string stamp;   // empty if it has none
+        Difference difference = Difference::none;
+    };
+    std::optional<Found> find(int frame, const VideoIdentity& identity) const;
 
     /// Removes our files, and the folder if it is empty then; errors are ignored. Not for a shared folder, because its
     /// files also belong to others.
