@@ -43,6 +43,8 @@ int run_subcommand(const CommandLine& line)
     switch (line.subcommand->subcommand) {
         case options::Subcommand::render:
             return run_render(line, output);
+        case options::Subcommand::join:
+            return run_join(line, output);
         case options::Subcommand::view:
             return run_view(line, output);
         case options::Subcommand::info:

@@ -82,6 +82,7 @@ VideoJob video_job(const options::OptionValues& values, const Scene& scene)
     if (values.given("chunk")) {
         const options::Chunk chunk = *options::parse_chunk(values.text("chunk"));
         job.chunk = chunk.number, job.chunks = chunk.of;
+        job.part = chunk.frames;
     }
     job.resume = values.flag("resume");
     if (values.given("warm-up")) job.warm_up = values.integer("warm-up");
@@ -200,6 +201,8 @@ std::string summary_of(const VideoResult& result, double seconds)
     std::string frames = fmt::format("{} frame{}, {}x{}, {}", count, count == 1 ? "" : "s", result.size.width,
                                      result.size.height, duration_text(seconds));
     if (result.files.empty()) return fmt::format("nothing to do ({})", frames);
+    if (result.complete_before)
+        return fmt::format("{} is complete; nothing to do ({})", one_line(result.files.front().string()), frames);
     // State the noise of the noisiest frame.
     double noise = 0;
     for (const FrameRecord& record : result.frames) noise = std::max(noise, record.noise);
@@ -262,17 +265,16 @@ int run_render(const CommandLine& line, Output& output)
     Scene scene = load_scene(line, progress);
     if (values.given("turntable")) scene = scene.lasting(values.number("turntable"));
 
-    const VideoResult result =
-        render_video(scene, renderer, video_job(values, scene), progress, [&](const FrameRecord& r) {
-            if (values.flag("reference") && !r.kept)
-                output.detail(fmt::format("frame {}: noise {:.2f} % of the mean", r.frame, 100 * r.noise));
-            output.detail(r.kept ? fmt::format("frame {}: kept from an earlier run", r.frame)
-                                 : fmt::format("frame {}: {:.1f} ms, {} shadow rays, {} reflected, {} refracted",
-                                               r.frame, r.milliseconds, r.counters.shadow.rays,
-                                               r.counters.reflection_rays, r.counters.refraction_rays));
-        });
-    if (!result.discarded.empty())
-        output.warn(fmt::format("frames of {} were there; they are rendered again", result.discarded));
+    VideoJob job = video_job(values, scene);
+    job.on_notice = [&](const std::string& notice) { output.warn(notice); };
+    const VideoResult result = render_video(scene, renderer, job, progress, [&](const FrameRecord& r) {
+        if (values.flag("reference") && !r.kept)
+            output.detail(fmt::format("frame {}: noise {:.2f} % of the mean", r.frame, 100 * r.noise));
+        output.detail(r.kept ? fmt::format("frame {}: kept from an earlier run", r.frame)
+                             : fmt::format("frame {}: {:.1f} ms, {} shadow rays, {} reflected, {} refracted", r.frame,
+                                           r.milliseconds, r.counters.shadow.rays, r.counters.reflection_rays,
+                                           r.counters.refraction_rays));
+    });
     output.detail(fmt::format("instruction set: {}; rays are traced by {}", instruction_set_name(),
                               renderer.options().arithmetic == Arithmetic::portable
                                   ? "code with the same results on every processor (--isa auto)"

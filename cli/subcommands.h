@@ -9,6 +9,7 @@
 namespace gnomon::cli {
 
 int run_render(const CommandLine& line, Output& output);
+int run_join(const CommandLine& line, Output& output);
 int run_view(const CommandLine& line, Output& output);
 int run_info(const CommandLine& line, Output& output);
 int run_compare(const CommandLine& line, Output& output);

@@ -27,6 +27,11 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     set(GNOMON_ARCH "x86-64-v2" CACHE STRING "Instruction set to compile for, as -march takes it")
     target_compile_options(gnomon_flags INTERFACE -march=${GNOMON_ARCH})
 endif()
+if(GNOMON_PACKAGE)
+    # Checks name their file: relative to the sources, so that a build has the same bytes in any folder.
+    target_compile_options(gnomon_flags INTERFACE "-ffile-prefix-map=${PROJECT_BINARY_DIR}/=build/"
+        "-ffile-prefix-map=${PROJECT_SOURCE_DIR}/=")
+endif()
 if(GNOMON_SANITIZE)
     target_compile_options(gnomon_flags INTERFACE -fsanitize=${GNOMON_SANITIZE} -fno-omit-frame-pointer
         -fno-sanitize-recover=all)

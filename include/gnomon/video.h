@@ -4,7 +4,8 @@
 //
 // The frames of a video are kept as PNG files in OUT.frames/ until all are complete. ffmpeg then encodes them in one
 // pass, single-threaded and bit-exact, and the PNG files are removed. The video therefore has the same bytes for any
-// division into chunks, after any interruption, and for any number of threads.
+// division into chunks, after any interruption, and for any number of threads. Frames and videos note which version and
+// instruction set rendered them, and hashes of the scene and the options, so that only what is still valid is reused.
 
 #include <filesystem>
 #include <functional>
@@ -26,13 +27,18 @@ struct VideoJob {
     double fps = 24;                    // frames a second of a video, 0.001 to 1000
     /// Renders only the part `chunk` (from 1) of `chunks` contiguous ones; of a video, it leaves frames only.
     int chunk = 1;
-    int chunks = 1;        // the number of parts
-    bool resume = false;   // keep frames that are already complete
+    int chunks = 1;   // the number of parts
+    /// Renders only these frames of the range, instead of a chunk by number; of a video, it leaves frames only.
+    std::optional<FrameRange> part;
+    /// Keeps frames that are already complete; a video that is complete is left as it is.
+    bool resume = false;
     /// Number of frames that are rendered and discarded first, to fill the caches: the frames before the first one, or
     /// the clip's first frame repeatedly where there are too few. None: 8 for a single image with an overlay of shadow
     /// states, else 0.
     std::optional<int> warm_up;
     std::filesystem::path contact_sheet;   // .png: also writes a labelled grid of frames, evenly spaced over the range
+    /// Called with one line for each reason why existing frames are rendered again; optional.
+    std::function<void(const std::string&)> on_notice;
 };
 
 /// One frame that was written.
@@ -50,20 +56,26 @@ struct FrameRecord {
 /// What was written.
 struct VideoResult {
     Size size;
+    bool complete_before = false;   // the video was complete before, and nothing was done
     std::vector<FrameRecord> frames;
     std::vector<std::filesystem::path> files;   // the resulting video or images
-    /// VideoJob::resume: what made frames that were there and are rendered again, such as "another scene"; else empty.
-    std::string discarded;
 };
 
 /// Renders frames to files, continues interrupted work if asked to, and encodes a video when all frames are there.
 /// @param on_frame  called after each completed frame; optional
 /// @throws UsageError        an invalid pattern, range or rate; a video with a side below 2 or above 16,385 pixels;
-///         more lights than an .exr has room for layers
+///         more lights than an .exr has room for layers; existing frames of the same scene with other options
 /// @throws MissingError      no ffmpeg, unwritable folder, full disk; another run is writing the same video
 /// @throws InterruptedError  progress returned false; complete frames remain for --resume
 VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob& job, const Progress& progress = {},
                          const std::function<void(const FrameRecord&)>& on_frame = {});
+
+/// Ends a video whose chunks are all in OUT.frames/: checks that every frame is there and is of this video, encodes it,
+/// and removes the frames. A video that is complete already is left as it is.
+/// @throws UsageError        no chunk was rendered; frames are missing, incomplete or of another video, and which
+/// @throws MissingError      no ffmpeg, unwritable folder, full disk; chunks are still at work
+/// @throws InterruptedError  progress returned false
+VideoResult join_video(const std::filesystem::path& out, const Progress& progress = {});
 
 /// Whether videos can be encoded: the program ffmpeg is found, and has an encoder for H.264.
 /// @throws InterruptedError  progress returned false

@@ -236,8 +236,17 @@ glm::vec3 CellLight::irradiance(const glm::vec3& normal) const
     return normals_.at(normal);
 }
 
-glm::vec3 CellLight::irradiance(const glm::vec3& normal, std::span<const std::uint64_t> seen) const
+glm::vec3 CellLight::irradiance(const glm::vec3& normal, std::span<const std::uint64_t> seen,
+                                std::span<const PartialCell> partial) const
 {
+    // What shares bring beyond the bits.
+    glm::vec3 more(0);
+    for (const PartialCell& cell : partial) {
+        const float whole = (seen[cell.leaf / 64] >> (cell.leaf % 64) & 1) != 0 ? 1.0f : 0.0f;
+        const float cosine =
+            normal.x * mean_[0][cell.leaf] + normal.y * mean_[1][cell.leaf] + normal.z * mean_[2][cell.leaf];
+        more += (cell.share - whole) * std::max(cosine, 0.0f) * cells_.flux(cell.leaf);
+    }
     std::size_t visible = 0;
     for (const std::uint64_t word : seen) visible += static_cast<std::size_t>(std::popcount(word));
     // About half of the cells lie above any surface.
@@ -245,11 +254,11 @@ glm::vec3 CellLight::irradiance(const glm::vec3& normal, std::span<const std::ui
     if (4 * visible > cells_.leaves()) {
         const Sums hidden = sum(normal, seen, ~std::uint64_t{0});
         for (int c = 0; c < 3; ++c) result[c] = static_cast<float>(hidden.of[static_cast<std::size_t>(c)]) * unit_[c];
-        return glm::max(irradiance(normal) - result, glm::vec3(0));
+        return glm::max(irradiance(normal) - result + more, glm::vec3(0));
     }
     const Sums sums = sum(normal, seen, 0);
     for (int c = 0; c < 3; ++c) result[c] = static_cast<float>(sums.of[static_cast<std::size_t>(c)]) * unit_[c];
-    return result;
+    return partial.empty() ? result : glm::max(result + more, glm::vec3(0));
 }
 
 glm::vec3 CellLight::blurred(const glm::vec3& direction, float roughness) const
@@ -263,7 +272,8 @@ glm::vec3 CellLight::blurred(const glm::vec3& direction, float roughness) const
     return glm::mix(lobes_->tables[above - 1].at(direction), lobes_->tables[above].at(direction), t);
 }
 
-glm::vec3 CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> seen) const
+glm::vec3 CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> seen,
+                             std::span<const PartialCell> partial) const
 {
     const float roughness = std::max(lobe.roughness, options_.least_roughness);
     const float alpha = roughness * roughness, a2 = alpha * alpha;
@@ -278,12 +288,18 @@ glm::vec3 CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> se
                                     seen);
     float angle = 0;
     for (const float of_lane : sums.angles) angle += of_lane;
-    glm::vec3 share(0), mean(0);
+    glm::vec3 share(0), mean(0), more(0);
+    for (const PartialCell& cell : partial) {
+        const float whole = (seen[cell.leaf / 64] >> (cell.leaf % 64) & 1) != 0 ? 1.0f : 0.0f;
+        more += (cell.share - whole) *
+                lobe_weight(weighted, {mean_[0][cell.leaf], mean_[1][cell.leaf], mean_[2][cell.leaf]}) *
+                cells_.flux(cell.leaf);
+    }
     for (int colour = 0; colour < 3; ++colour) {
         const auto c = static_cast<std::size_t>(colour);
         float whole = 0, part = 0;
         for (std::size_t i = 0; i < k_sum_lanes; ++i) whole += sums.all[c][i], part += sums.visible[c][i];
-        share[colour] = whole > 0 ? std::min(part / whole, 1.0f) : 0;
+        share[colour] = whole > 0 ? std::clamp((part + more[colour]) / whole, 0.0f, 1.0f) : 0;
         mean[colour] = angle > 0 ? whole / angle : 0;
     }
     const float by_cells =

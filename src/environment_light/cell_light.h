@@ -71,15 +71,19 @@ class CellLight {
     /// On a surface with this unit normal that sees everything above it.
     glm::vec3 irradiance(const glm::vec3& normal) const;
     /// The same from visible cells alone.
-    /// @param seen  a bit for each leaf
-    glm::vec3 irradiance(const glm::vec3& normal, std::span<const std::uint64_t> seen) const;
+    /// @param seen     a bit for each leaf
+    /// @param partial  cells of which a share is visible, whatever their bit
+    glm::vec3 irradiance(const glm::vec3& normal, std::span<const std::uint64_t> seen,
+                         std::span<const PartialCell> partial = {}) const;
 
     /// The mean radiance that a lobe around a mirror direction sees. @param roughness  perceptual
     glm::vec3 blurred(const glm::vec3& direction, float roughness) const;
     /// What a lobe sees of the visible cells, as a mean over all of the lobe: where it sees all of an even sky, the
     /// sky's radiance.
-    /// @param seen  a bit for each leaf
-    glm::vec3 seen_by(const Lobe& lobe, std::span<const std::uint64_t> seen) const;
+    /// @param seen     a bit for each leaf
+    /// @param partial  cells of which a share is visible, whatever their bit
+    glm::vec3 seen_by(const Lobe& lobe, std::span<const std::uint64_t> seen,
+                      std::span<const PartialCell> partial = {}) const;
     std::size_t bytes() const;
 
  private:

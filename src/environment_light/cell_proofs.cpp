@@ -49,7 +49,8 @@ struct CellProofs::Node {
     std::atomic<bool> growing{false};               // somebody judges or divides it
     std::atomic<const PartMasks*> masks{nullptr};   // null: not judged
     std::atomic<std::array<Node, 4>*> quarters{nullptr};
-    std::atomic<bool> final{false};   // smaller parts would not know more
+    std::atomic<bool> final{false};    // smaller parts would not know more
+    std::atomic<bool> shares{false};   // leaves are judged as a whole
     std::unique_ptr<PartMasks> own;
 };
 
@@ -68,6 +69,7 @@ CellProofs::CellProofs(const StaticTriangles& triangles, const DirectionCells& c
 {
     nothing_.free.assign(cells.words(), 0);
     nothing_.open.assign(cells.words(), 0);
+    nothing_.whole.assign(cells.words(), 0);
     for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) set(nothing_.open, leaf);
 }
 
@@ -77,7 +79,7 @@ CellProofs::~CellProofs() = default;
 class CellProofs::Judge {
  public:
     Judge(const CellProofs& owner, TriangleId receiver, const glm::dvec3 (&corner)[3], const glm::dvec3& normal,
-          double lift, PartMasks& masks)
+          double lift, bool whole, PartMasks& masks)
         : triangles_(owner.triangles_),
           cells_(owner.cells_),
           options_(owner.options_),
@@ -85,6 +87,7 @@ class CellProofs::Judge {
           corner_{corner[0], corner[1], corner[2]},
           normal_(normal),
           lift_(lift),
+          whole_(whole),
           masks_(masks)
     {
         for (const glm::dvec3& c : corner) centre_ += c / 3.0;
@@ -108,7 +111,14 @@ class CellProofs::Judge {
     void judge(std::uint32_t at, std::size_t begin, std::size_t end)
     {
         const DirectionNode& node = cells_.nodes()[at];
-        if (!wants(node)) return;
+        const bool leaf = node.children == 0;
+        if (wants(node) && (!leaf || whole_)) judge(node, false, begin, end);
+        if (leaf && has(masks_.open, node.first_leaf)) judge(node, true, begin, end);
+    }
+
+    // @param thin  a leaf's own direction alone
+    void judge(const DirectionNode& node, bool thin, std::size_t begin, std::size_t end)
+    {
         const bool leaf = node.children == 0;
         std::array<glm::dvec3, 4> direction = node.corner;
         int directions = node.corners;
@@ -117,9 +127,9 @@ class CellProofs::Judge {
             const glm::dvec3& d = direction[static_cast<std::size_t>(c)];
             if (glm::dot(d, normal_) > glm::dot(steepest, normal_)) steepest = d;
         }
-        if (glm::dot(steepest, normal_) < -k_below_horizon) return decide(node, false);
+        if (glm::dot(steepest, normal_) < -k_below_horizon) return decide(node, false, true);
         glm::dvec3 middle(node.axis);
-        if (leaf) {
+        if (thin) {
             const glm::dvec3 own(cells_.direction(node.first_leaf));
             if (glm::dot(own, normal_) > k_clear_of_horizon) direction[0] = middle = own, directions = 1;
         }
@@ -134,7 +144,7 @@ class CellProofs::Judge {
         int may_open = leaf ? options_.opened_at_leaf : options_.opened;
         bool triangles_only = true;
         for (std::size_t i = begin; i < end; ++i) take(items_[i], prism, may_open, triangles_only);
-        if (items_.size() == kept) return decide(node, true);
+        if (items_.size() == kept) return decide(node, true, !thin);
         if (triangles_only) {
             ClippedTriangle inside;
             items_.erase(std::remove_if(items_.begin() + static_cast<std::ptrdiff_t>(kept), items_.end(),
@@ -143,13 +153,13 @@ class CellProofs::Judge {
                                             return !prism.clip(triangles_[item & ~k_triangle], inside);
                                         }),
                          items_.end());
-            if (items_.size() == kept) return decide(node, true);
+            if (items_.size() == kept) return decide(node, true, !thin);
         }
         // The ray that counts crossings must lie in the prism.
         if (glm::dot(middle, normal_) <= k_clear_of_horizon) middle = steepest;
         if (glm::dot(middle, normal_) > k_clear_of_horizon && is_blocked(prism, middle)) {
             items_.resize(kept);
-            return decide(node, false);
+            return decide(node, false, !thin);
         }
         if (!leaf) {
             const std::size_t last = items_.size();
@@ -161,12 +171,13 @@ class CellProofs::Judge {
     bool wants(const DirectionNode& node) const
     {
         for (std::size_t leaf = node.first_leaf; leaf < node.first_leaf + node.leaves; ++leaf)
-            if (has(masks_.open, leaf)) return true;
+            if (has(masks_.open, leaf) || (whole_ && !has(masks_.whole, leaf))) return true;
         return false;
     }
-    void decide(const DirectionNode& node, bool is_free)
+    void decide(const DirectionNode& node, bool is_free, bool whole)
     {
         for (std::size_t leaf = node.first_leaf; leaf < node.first_leaf + node.leaves; ++leaf) {
+            if (whole) set(masks_.whole, leaf);
             if (!has(masks_.open, leaf)) continue;
             clear(masks_.open, leaf);
             if (is_free) set(masks_.free, leaf);
@@ -227,6 +238,7 @@ class CellProofs::Judge {
     TriangleId receiver_;
     glm::dvec3 corner_[3], normal_, centre_{0};
     double lift_, far_ = 0;
+    bool whole_;
     PartMasks& masks_;
     std::vector<std::uint32_t> items_;   // of all cells that are being judged, one above the other
     std::vector<TriangleId> found_;
@@ -234,7 +246,7 @@ class CellProofs::Judge {
 };
 
 PartMasks CellProofs::judge(TriangleId triangle, bool front, const MicroTriangle& part, std::uint32_t level,
-                            const PartMasks* from) const
+                            const PartMasks* from, bool whole) const
 {
     PartMasks masks = from ? *from : nothing_;
     const StaticTriangle& receiver = triangles_[triangle];
@@ -247,7 +259,7 @@ PartMasks CellProofs::judge(TriangleId triangle, bool front, const MicroTriangle
     corners_of(part, level, uv);
     glm::dvec3 corner[3];
     for (int c = 0; c < 3; ++c) corner[c] = a + uv[c].x * ab + uv[c].y * ac;
-    Judge(*this, triangle, corner, normal, static_cast<double>(ray::origin_lift(receiver.p)), masks).run();
+    Judge(*this, triangle, corner, normal, static_cast<double>(ray::origin_lift(receiver.p)), whole, masks).run();
     return masks;
 }
 
@@ -287,29 +299,46 @@ const PartMasks& CellProofs::part_at(TriangleId triangle, bool front, float u, f
     }
 }
 
+void CellProofs::ask_for_shares(TriangleId triangle, bool front, float u, float v, std::uint32_t asks)
+{
+    Node* node = root(2 * std::size_t{triangle} + (front ? 1 : 0));
+    const MicroPath path(u, v, options_.most_levels);
+    int level = 0;
+    while (std::array<Node, 4>* quarters = node->quarters.load(std::memory_order_acquire))
+        node = &(*quarters)[path.quarter(static_cast<std::uint32_t>(level++))];
+    // One that was judged without it may gain from quarters that are judged with it.
+    if (!node->shares.exchange(true, std::memory_order_relaxed) && level < options_.most_levels) node->final = false;
+    node->asks.fetch_add(asks, std::memory_order_relaxed);
+}
+
 // Judges a node that is not judged, or divides it.
 void CellProofs::grow(std::size_t record, Node& node, TriangleId triangle, bool front, const MicroTriangle& part,
                       std::uint32_t level, const PartMasks& from)
 {
     Shard& shard = shards_[record % k_shards];
     if (!node.masks.load(std::memory_order_relaxed)) {
-        auto made = std::make_unique<PartMasks>(judge(triangle, front, part, level, &from));
-        const std::uint64_t open = count(made->open), before = count(from.open), free = count(made->free);
+        const bool shares = node.shares;
+        auto made = std::make_unique<PartMasks>(judge(triangle, front, part, level, &from, shares));
+        const std::uint64_t open = count(made->open), free = count(made->free);
+        const std::uint64_t unknown = shares ? cells_.leaves() - count(made->whole) : open,
+                            before = shares ? cells_.leaves() - count(from.whole) : count(from.open);
         const bool gained =
-            level == 0 || static_cast<double>(before - open) >= options_.least_gain * static_cast<double>(before);
+            level == 0 || static_cast<double>(before - unknown) >= options_.least_gain * static_cast<double>(before);
         const std::lock_guard lock(shard.mutex);
         ++shard.counters.parts;
         shard.counters.open += open, shard.counters.free += free;
         shard.counters.blocked += cells_.leaves() - open - free;
         node.own = std::move(made);
-        node.final = open == 0 || !gained || static_cast<int>(level) >= options_.most_levels;
+        node.final = unknown == 0 || !gained || static_cast<int>(level) >= options_.most_levels;
         node.asks = 0;
         node.masks.store(node.own.get(), std::memory_order_release);
         node.growing = false;
         return;
     }
     const std::lock_guard lock(shard.mutex);
-    node.quarters.store(&shard.nodes.emplace_back(), std::memory_order_release);
+    std::array<Node, 4>& quarters = shard.nodes.emplace_back();
+    for (Node& quarter : quarters) quarter.shares = node.shares.load();
+    node.quarters.store(&quarters, std::memory_order_release);
 }
 
 void CellProofs::take_over(const CellProofs& other)
@@ -332,6 +361,7 @@ void CellProofs::take_over(const CellProofs& other)
             if (open > 0 || same[leaf]->leaves > 1) continue;
             clear(masks.open, leaf);
             if (free > 0) set(masks.free, leaf);
+            if (has(from.whole, same[leaf]->first_leaf)) set(masks.whole, leaf);
         }
         return masks;
     };
@@ -372,7 +402,7 @@ std::size_t CellProofs::bytes() const
         for (const auto& four : shards_[s].nodes)
             for (const Node& node : four)
                 if (node.masks.load(std::memory_order_acquire))
-                    bytes += sizeof(PartMasks) + 2 * cells_.words() * sizeof(std::uint64_t);
+                    bytes += sizeof(PartMasks) + 3 * cells_.words() * sizeof(std::uint64_t);
     }
     return bytes;
 }

@@ -8,7 +8,8 @@
 //   open      neither was shown: rays decide, point by point
 //
 // Cells are judged from the coarsest down: what holds for a cell holds for those within it. A leaf has one direction,
-// and its prism is thin. A list of tree nodes that may meet a cell is handed down to the cells within it.
+// and its prism is thin; where points ask for shares of cells (ask_for_shares()), leaves are judged as a whole, too. A
+// list of tree nodes that may meet a cell is handed down to the cells within it.
 //
 // A proof says what a ray would say, so it never changes an answer: whether and when a part is judged is a matter of
 // cost alone. A triangle is judged when a number of points on it have asked, and divided into quarters that are judged
@@ -54,9 +55,10 @@ struct ProofOptions {
     ProofCheck left_out = ProofCheck::none;   // for tests
 };
 
-/// What is known of a part, by leaf. What is in neither is blocked.
+/// What is known of a part, by leaf. What is neither free nor open is blocked.
 struct PartMasks {
     std::vector<std::uint64_t> free, open;
+    std::vector<std::uint64_t> whole;   // what is known holds for all directions of the cell
 };
 
 struct ProofCounters {
@@ -75,10 +77,14 @@ class CellProofs {
     /// judges if it is time. Thread-safe. What it returns stays valid.
     /// @param front  the side that the triangle's corners run around counter-clockwise
     const PartMasks& part_at(visibility::TriangleId triangle, bool front, float u, float v);
+    /// Counts further questions about the part that contains (u, v), and lets leaves be judged as a whole in what is
+    /// judged of it from now on. Thread-safe.
+    void ask_for_shares(visibility::TriangleId triangle, bool front, float u, float v, std::uint32_t asks);
     /// Judges a part anew; remembers nothing. Proofs hold for every point of it.
-    /// @param from  of a part that contains it: what is not open there is kept
+    /// @param from   of a part that contains it: what is not open there is kept
+    /// @param whole  also judge whether leaves are known as a whole
     PartMasks judge(visibility::TriangleId triangle, bool front, const MicroTriangle& part, std::uint32_t level,
-                    const PartMasks* from = nullptr) const;
+                    const PartMasks* from = nullptr, bool whole = false) const;
     /// Takes over what was proven of the same triangles for other cells, where both have the same leaves. Call before
     /// the first question.
     void take_over(const CellProofs& other);

@@ -6,6 +6,9 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "environment_light/cell_sums.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -13,8 +16,7 @@ namespace gnomon::environment_light::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The weight of a cell is what the lobe reflects of it: the distribution of normals times masking and shadowing of the
-// microfacets [Heitz 2014, equation 99], without constant factors.
+// The weight of a cell is what the lobe reflects of it: lobe_weight().
 LobeSums lobe_sums_of(const WeightedLobe& lobe, const CellLists& cells, std::span<const std::uint64_t> seen)
 {
     const hn::CappedTag<float, k_sum_lanes> d;
@@ -70,6 +72,17 @@ HWY_AFTER_NAMESPACE();
 namespace gnomon::environment_light {
 
 HWY_EXPORT(lobe_sums_of);
+
+float lobe_weight(const WeightedLobe& lobe, const glm::vec3& direction)
+{
+    const float n_l = glm::dot(lobe.normal, direction), g_l = glm::dot(lobe.horizon, direction);
+    if (!(n_l > 0 && g_l > 0)) return 0;
+    const float both = n_l + lobe.n_v;
+    const float half2 = both * both / std::max(2 + 2 * glm::dot(lobe.to_viewer, direction), 1e-6f);
+    const float t = half2 * (lobe.a2 - 1) + 1;
+    const float shadowing = std::sqrt(lobe.a2 + (1 - lobe.a2) * n_l * n_l);
+    return n_l / (t * t * (n_l * lobe.masking + lobe.n_v * shadowing));
+}
 
 LobeSums lobe_sums(const WeightedLobe& lobe, const CellLists& cells, std::span<const std::uint64_t> seen)
 {

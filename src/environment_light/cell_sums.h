@@ -36,6 +36,10 @@ struct LobeSums {
     LaneSums angles{};                          // weight times solid angle
 };
 
+/// The weight of one direction: the distribution of normals times masking and shadowing of the microfacets [Heitz 2014,
+/// equation 99], without constant factors; 0 below a horizon.
+float lobe_weight(const WeightedLobe& lobe, const glm::vec3& direction);
+
 /// Sums over all cells above both horizons, and over those that are seen.
 /// @param seen  a bit for each leaf
 LobeSums lobe_sums(const WeightedLobe& lobe, const CellLists& cells, std::span<const std::uint64_t> seen);

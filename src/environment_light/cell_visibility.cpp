@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "environment_light/cell_query.h"
+
 namespace gnomon::environment_light {
 
 namespace {
@@ -11,36 +13,8 @@ namespace {
 using visibility::ShadowPoint;
 using visibility::TriangleId;
 
-constexpr std::size_t k_rays_at_once = 1 << 14;
-constexpr std::size_t k_block = 16;   // points whose rays in one direction are neighbours
-// Of a ray's direction above the surface, least sine: below, the mean direction of the cell stands in.
-constexpr float k_least_sine = 1e-3f;
 // Probes: one cell of 16, another one for each point of a block.
 constexpr std::uint32_t k_probe_step = 16;
-
-template <class Body>
-void for_each_bit(std::span<const std::uint64_t> mask, const Body& body)
-{
-    for (std::size_t w = 0; w < mask.size(); ++w)
-        for (std::uint64_t word = mask[w]; word != 0; word &= word - 1)
-            body(64 * w + static_cast<std::size_t>(std::countr_zero(word)));
-}
-
-bool has(std::span<const std::uint64_t> mask, std::size_t leaf)
-{
-    return (mask[leaf / 64] >> (leaf % 64) & 1) != 0;
-}
-
-// Calls body(word, bits) for the words of a mask with some leaves in a row.
-template <class Body>
-void for_each_word(std::size_t first, std::size_t count, const Body& body)
-{
-    for (std::size_t at = first; at < first + count;) {
-        const std::size_t bits = std::min(64 - at % 64, first + count - at);
-        body(at / 64, (bits < 64 ? (std::uint64_t{1} << bits) - 1 : ~std::uint64_t{0}) << (at % 64));
-        at += bits;
-    }
-}
 
 }   // namespace
 
@@ -84,6 +58,19 @@ CellVisibility::CellVisibility(const Surroundings& surroundings, const Direction
         list.assign(64 * cells.words(), 0);
         for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) list[leaf] = cells.mean(leaf)[axis];
     }
+    for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
+        luminance_.push_back(luminance(cells.flux(leaf)));
+        most_luminance_ = std::max(most_luminance_, luminance_.back());
+    }
+    std::vector<std::uint64_t> windows = cells.stand_ins();
+    for (const CellFamily& family : cells.families())
+        if (family.leaves <= 4)
+            for_each_word(family.first, family.leaves, [&](std::size_t w, std::uint64_t bits) { windows[w] |= bits; });
+    in_windows_.assign(k_window_kinds * cells.words(), 0);
+    std::size_t number = 0;
+    for_each_bit(windows, [&](std::size_t leaf) {
+        in_windows_[number++ % k_window_kinds * cells.words() + leaf / 64] |= std::uint64_t{1} << (leaf % 64);
+    });
     probes_.assign(k_probe_step * cells.words(), 0);
     for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf)
         probes_[cells.stable_number(leaf) % k_probe_step * cells.words() + leaf / 64] |= std::uint64_t{1}
@@ -97,24 +84,6 @@ void CellVisibility::take_over(const CellVisibility& other)
     other_ = &other;
     leaf_of_other_ = other.cells_.same_leaves(cells_);
 }
-
-// The arguments of one call.
-struct CellVisibility::Query {
-    Scratch& scratch;
-    std::span<const ShadowPoint> points;
-    std::span<const std::uint32_t> asked;
-    std::span<const Guides> guides;
-    SeenCells& seen;
-
-    std::size_t count() const { return asked.size(); }
-    const ShadowPoint& point(std::size_t k) const { return points[asked[k]]; }
-    bool coarse(std::size_t k) const { return !guides.empty() && guides[k].coarse; }
-    int pass(std::size_t k) const { return guides.empty() ? 0 : guides[k].pass; }
-    std::span<std::uint64_t> of(std::vector<std::uint64_t>& masks, std::size_t k) const
-    {
-        return {masks.data() + k * seen.words, seen.words};
-    }
-};
 
 // Finds the cells above a point's surface; neighbours often have the same normal.
 void CellVisibility::find_above(const Query& query, std::size_t k) const
@@ -153,14 +122,24 @@ void CellVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points,
     const std::size_t all = asked.size() * seen.words;
     for (auto* masks : {&seen.masks, &scratch.above, &scratch.known, &scratch.free, &scratch.wanted})
         masks->assign(all, 0);
-    scratch.queue.purpose = ray::RayClass::shadow;
+    scratch.queue.purpose = scratch.part_queue.purpose = ray::RayClass::shadow;
+    seen.partial.clear();
+    seen.partials.assign(asked.size(), {});
+    scratch.divided.clear(), scratch.known_parts.clear();
+    scratch.light.assign(asked.size(), 0);
+    scratch.unit.assign(asked.size(), 0);
+    scratch.known_of.assign(asked.size(), {});
     scratch.counters.points += asked.size();
     const Query query{scratch, points, asked, guides, seen};
     look_up(query, memory);
     decide_alone(query);
+    divide(query, 0);
     int passes = 0;
     for (const Guides& guide : guides) passes = std::max<int>(passes, guide.pass);
-    for (int pass = 1; pass <= passes; ++pass) decide_guided(query, pass);
+    for (int pass = 1; pass <= passes; ++pass) {
+        decide_guided(query, pass);
+        divide(query, pass);
+    }
     if (memory) remember(query, *memory);
     if (!surroundings_.dynamic_boxes().empty()) test_dynamic(query);
 }
@@ -203,6 +182,9 @@ void CellVisibility::look_up(const Query& query, PointMemory* memory) const
             free[leaf / 64] |= (known.seen[i / 64] >> (i % 64) & 1) << (leaf % 64);
             ++i;
         });
+        scratch.known_of[k] = {static_cast<std::uint32_t>(scratch.known_parts.size()),
+                               static_cast<std::uint32_t>(known.parts.size())};
+        scratch.known_parts.insert(scratch.known_parts.end(), known.parts.begin(), known.parts.end());
     }
 }
 
@@ -498,7 +480,18 @@ void CellVisibility::flush(const Query& query, ray::Against against, bool sets, 
 void CellVisibility::remember(const Query& query, PointMemory& memory) const
 {
     Scratch& scratch = query.scratch;
+    // Sort what was found of parts by point.
+    std::vector<std::uint32_t>& order = scratch.order;
+    order.clear();
+    for (std::uint32_t d = 0; d < scratch.divided.size(); ++d)
+        if (scratch.divided[d].remembered) order.push_back(d);
+    std::ranges::sort(order, {},
+                      [&](std::uint32_t d) { return std::pair(scratch.divided[d].asked, scratch.divided[d].leaf); });
+    std::size_t next = 0;
     for (std::size_t k = 0; k < query.count(); ++k) {
+        scratch.own_parts.clear();
+        for (; next < order.size() && scratch.divided[order[next]].asked == k; ++next)
+            scratch.own_parts.push_back({scratch.divided[order[next]].leaf, scratch.divided[order[next]].seen});
         const Scratch::Asked& own = scratch.asked[k];
         if (!own.is_static || !own.fresh) continue;
         const auto known = query.of(scratch.known, k), free = query.of(scratch.free, k);
@@ -512,7 +505,7 @@ void CellVisibility::remember(const Query& query, PointMemory& memory) const
             scratch.bits[words + i / 64] |= (free[leaf / 64] >> (leaf % 64) & 1) << (i % 64);
             ++i;
         });
-        memory.add(query.point(k), *own.masks, number_, scratch.bits);
+        memory.add(query.point(k), *own.masks, number_, scratch.bits, scratch.own_parts);
     }
 }
 
@@ -551,6 +544,7 @@ void CellVisibility::test_dynamic(const Query& query) const
     Scratch& scratch = query.scratch;
     const std::size_t words = query.seen.words;
     std::vector<std::uint32_t> block;
+    scratch.divided.clear();
     for (std::size_t k = 0; k <= query.count(); ++k) {
         if (k < query.count() && scratch.asked[k].is_static) block.push_back(static_cast<std::uint32_t>(k));
         if (block.size() < k_block && k < query.count()) continue;
@@ -560,15 +554,18 @@ void CellVisibility::test_dynamic(const Query& query) const
         scratch.affected.assign(words, 0);
         for (const Box3& blocker : surroundings_.dynamic_boxes())
             cover(scratch, box.centre(), 0.5f * box.diagonal(), blocker);
-        for (const std::uint32_t b : block)
+        for (const std::uint32_t b : block) {
             for (std::size_t w = 0; w < words; ++w)
                 scratch.wanted[b * words + w] = query.seen.of(b)[w] & scratch.affected[w];
+            divide_affected(query, b);
+        }
         push_rays(query, block);
         block.clear();
         if (scratch.queue.size() >= k_rays_at_once)
             flush(query, ray::Against::dynamic_only, false, scratch.counters.dynamic_rays);
     }
     flush(query, ray::Against::dynamic_only, false, scratch.counters.dynamic_rays);
+    take_dynamic_parts(query);
 }
 
 }   // namespace gnomon::environment_light

@@ -11,6 +11,12 @@
 // Cells whose mean direction lies below the surface are not visible. Where the own direction of a cell at the horizon
 // lies below, its mean direction stands in.
 //
+// Where a point sees little of the sky, as through a window, a cell is a step that shows. The cells at the rim of what
+// such a point sees are divided: it sees a share of them (PartialCell), by up to 64 rays in directions within the cell
+// (part_directions.h), as many as the cell's light asks for beside that of all visible cells. A point in the dark looks
+// for windows that are smaller than a cell in the same way. Between guides whose shares are alike, they are
+// interpolated.
+//
 // Where points of a smooth surface lie close together, as in an image, most cells are visible from all of them, or from
 // none. A point may therefore have guides around it: rays then go to those cells alone on which the guides do not
 // agree, and to a few others as probes. A cell that a probe finds to be otherwise is traced from all points of the
@@ -20,10 +26,13 @@
 // guides.
 
 #include <memory>
+#include <mutex>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "environment_light/cell_proofs.h"
+#include "environment_light/part_directions.h"
 #include "environment_light/point_memory.h"
 #include "ray/ray_scene.h"
 #include "visibility/dynamic_bounds.h"
@@ -40,10 +49,17 @@ struct VisibilityCounters {
     void add(const VisibilityCounters& other);
 };
 
-/// What points see: a bit for each leaf.
+/// What points see: a bit for each leaf, and a share of some.
 struct SeenCells {
     std::size_t words = 0;   // of a point
     std::vector<std::uint64_t> masks;
+    std::vector<PartialCell> partial;                                // of points, in any order
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> partials;   // by asked point: the first, and how many
+    /// By leaf, rising.
+    std::span<const PartialCell> partial_of(std::size_t asked) const
+    {
+        return {partial.data() + partials[asked].first, partials[asked].second};
+    }
     std::span<const std::uint64_t> of(std::size_t asked) const { return {masks.data() + asked * words, words}; }
     std::span<std::uint64_t> of(std::size_t asked) { return {masks.data() + asked * words, words}; }
 };
@@ -51,6 +67,8 @@ struct SeenCells {
 /// Points around another one on the same smooth surface, as indices in the list of asked points.
 struct Guides {
     std::array<std::uint32_t, 4> corner{};   // some may be the same
+    std::array<float, 4> weight{};           // of each, for interpolation; sum to 1
+    bool guides = false;                     // whether the point guides others
     std::uint8_t pass = 0;                   // 0: none; its guides have a lower number
     std::uint32_t block = 0;    // points among the same guides have the same number, other passes other numbers
     std::uint32_t number = 0;   // of the point within the block
@@ -92,6 +110,19 @@ class CellVisibility {
             std::uint32_t asked;
             std::uint16_t leaf;
         };
+        // A cell of which a point asks what share it sees.
+        struct Divided {
+            std::uint32_t asked = 0, leaf = 0;
+            int level = 0;                                   // of detail (cell_parts.cpp)
+            std::uint64_t above = 0, traced = 0, seen = 0;   // parts; above the surface
+            float share = -1;                                // if that is known otherwise
+            bool done = false, remembered = true;            // false: rays did not find it
+            bool thorough = false;     // begins with a ray for each sixteenth; of what moves: static parts count
+            std::uint64_t clear = 0;   // parts that dynamic objects leave
+        };
+        struct PartTarget {
+            std::uint32_t divided, part;
+        };
         struct Asked {
             const PartMasks* masks = nullptr;   // of a static point
             bool on_dynamic = false, is_static = false;
@@ -112,6 +143,20 @@ class CellVisibility {
         std::size_t above_at = 0;   // the last point with that normal
         std::vector<std::uint64_t> bits;
         std::vector<std::uint32_t> stack;
+        // Shares of cells.
+        std::vector<Divided> divided;           // of all points so far
+        std::vector<PartTarget> part_targets;   // by ray of `part_queue`
+        ray::RayQueue part_queue;
+        std::vector<float> light, unit;        // by asked point: what it sees; what cells are compared with
+        std::vector<KnownParts> known_parts;   // of all points
+        std::vector<std::pair<std::uint32_t, std::uint32_t>> known_of;   // by asked point: the first, and how many
+        std::vector<KnownParts> own_parts;
+        std::vector<std::uint8_t> family_sees;   // bits: some leaf is seen, some is hidden
+        std::vector<std::uint8_t> windows;       // by family: whether some point in the dark sees one of its leaves
+        std::vector<std::uint32_t> dark;         // points in the dark
+        bool small_windows = false;
+        std::vector<std::uint32_t> union_leaves, order;
+        std::vector<PartialCell> partial;
     };
 
     /// Finds what points see. Thread-safe for different scratch and memory.
@@ -151,13 +196,37 @@ class CellVisibility {
     void flush(const Query& query, ray::Against against, bool sets, std::uint64_t& count) const;
     void cover(Scratch& scratch, const glm::vec3& from, float from_radius, const Box3& box) const;
     void remember(const Query& query, PointMemory& memory) const;
+    // cell_parts.cpp
+    void divide(const Query& query, int pass) const;
+    void measure_light(const Query& query, std::size_t k) const;
+    bool is_dark(const Query& query, std::size_t k) const;
+    void look_for_windows(const Query& query) const;
+    void divide_alone(const Query& query, std::size_t k) const;
+    void divide_guided(const Query& query, std::size_t k) const;
+    void look_at(const Query& query, std::size_t k, std::size_t leaf, int level, bool thorough) const;
+    void trace_parts(const Query& query, std::size_t first) const;
+    void push_parts(const Query& query, std::size_t first, int round, bool on_dynamic, ray::Against against,
+                    std::uint64_t& count) const;
+    void flush_parts(const Query& query, ray::Against against, std::uint64_t& count) const;
+    void divide_affected(const Query& query, std::size_t k) const;
+    void take_dynamic_parts(const Query& query) const;
+    float light_of(std::size_t leaf, const glm::vec3& normal) const;
+    float light_of(std::span<const std::uint64_t> mask, const glm::vec3& normal) const;
+    void add_partials(const Query& query, std::size_t first) const;
+    const PartDirections& part_directions() const;
 
     const Surroundings& surroundings_;
     const DirectionCells& cells_;
     std::unique_ptr<CellProofs> proofs_;
     std::array<std::vector<float>, 3> mean_;   // by axis, padded to whole words
     std::vector<std::uint64_t> probes_;        // masks of the leaves that one kind of point probes, one after the other
-    std::uint32_t number_ = 0;                 // of these cells, in PointMemory
+    mutable std::once_flag parts_made_;
+    mutable std::unique_ptr<PartDirections> parts_;   // made when the first point asks for a share
+    std::vector<float> luminance_;                    // of the flux, by leaf
+    float most_luminance_ = 0;
+    // Masks of the leaves in which one kind of point in the dark looks for windows, one after the other.
+    std::vector<std::uint64_t> in_windows_;
+    std::uint32_t number_ = 0;   // of these cells, in PointMemory
     const CellVisibility* other_ = nullptr;
     std::vector<std::int32_t> leaf_of_other_;   // by its leaf; -1: these cells have no such leaf
 };

@@ -19,13 +19,6 @@ constexpr int k_sample_rows = 512;            // of the grid of samples over an 
 constexpr int k_finest_rows = 1024;           // larger images are averaged down to less than twice as many
 constexpr int k_quadrature_levels = 4;        // of the samples in a cell that is divided further
 constexpr std::uint32_t k_least_group = 64;   // leaves of a cell of the least level
-constexpr double k_root_of_golden = 1.32471795724474602596;   // of the R2 sequence [Roberts 2018]
-
-double fraction(double x)
-{
-    return x - std::floor(x);
-}
-
 // Averages blocks of texels of an image that is finer than cells need, row by row with equal weights: within a block,
 // rows have nearly the same solid angle.
 ImageF reduced(const ImageF& image)
@@ -270,8 +263,7 @@ DirectionCells::DirectionCells(const scene::Environment& environment, const Cell
         total_ += fluxes_.back();
         // The place depends on the cell alone, so that it is the same for every image.
         const auto index = static_cast<double>(nodes_[n].place % 4093);
-        directions_.emplace_back(point_in(corners, fraction(0.5 + index / k_root_of_golden),
-                                          fraction(0.5 + index / (k_root_of_golden * k_root_of_golden))));
+        directions_.emplace_back(jittered_in(corners, index));
     }
     // Cells of the least level that were divided into many.
     followers_.assign(words(), 0);

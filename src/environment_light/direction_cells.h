@@ -68,6 +68,12 @@ struct DirectionNode {
     float cosine = 1;          // and of its half-angle
 };
 
+/// A cell of which a point sees a share; the bit of the leaf does not count then.
+struct PartialCell {
+    std::uint32_t leaf = 0;
+    float share = 0;   // 0 to 1
+};
+
 class DirectionCells {
  public:
     DirectionCells(const scene::Environment& environment, const CellOptions& options = {});

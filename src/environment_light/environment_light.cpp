@@ -136,7 +136,7 @@ glm::vec3 EnvironmentLight::irradiance(CellVisibility::Scratch& scratch, const v
     constexpr std::uint32_t k_first = 0;
     SeenCells seen;
     visibility().find(scratch, {&point, 1}, {&k_first, 1}, {}, memory, seen);
-    return light().irradiance(normal, seen.of(0));
+    return light().irradiance(normal, seen.of(0), seen.partial_of(0));
 }
 
 std::size_t EnvironmentLight::bytes() const

@@ -33,8 +33,8 @@ const PointMemory::Entry* PointMemory::Table::find(const Key& key) const
     }
 }
 
-// @param added  with any `first`
-void PointMemory::Table::add(const Entry& added, const std::uint64_t* words)
+// @param added  with any `first` and `first_part`
+void PointMemory::Table::add(const Entry& added, const std::uint64_t* words, const KnownParts* first_part)
 {
     const Key key = added.key;
     if (2 * (count + 1) > entries.size()) {
@@ -57,6 +57,8 @@ void PointMemory::Table::add(const Entry& added, const std::uint64_t* words)
     entries[at] = added;
     entries[at].first = static_cast<std::uint32_t>(seen.size());
     seen.insert(seen.end(), words, words + added.words);
+    entries[at].first_part = static_cast<std::uint32_t>(parts.size());
+    parts.insert(parts.end(), first_part, first_part + added.parts);
 }
 
 void PointMemory::begin_frame()
@@ -64,6 +66,7 @@ void PointMemory::begin_frame()
     std::swap(now_, before_);
     now_.entries.assign(now_.entries.size(), {});
     now_.seen.clear();
+    now_.parts.clear();
     now_.count = 0;
     // Give memory back that a view no longer needs.
     if (before_.count * 8 < now_.entries.size()) now_ = {};
@@ -76,17 +79,23 @@ PointMemory::Known PointMemory::find(const visibility::ShadowPoint& point)
     if (!entry) {
         const Entry* old = before_.find(key);
         if (!old) return {};
-        now_.add(*old, before_.seen.data() + old->first);
+        now_.add(*old, before_.seen.data() + old->first, before_.parts.data() + old->first_part);
         entry = now_.find(key);
     }
     const std::uint64_t* bits = now_.seen.data() + entry->first;
-    return {entry->masks, entry->cells, bits, bits + entry->words / 2};
+    return {entry->masks,
+            entry->cells,
+            bits,
+            bits + entry->words / 2,
+            {now_.parts.data() + entry->first_part, entry->parts}};
 }
 
 void PointMemory::add(const visibility::ShadowPoint& point, const PartMasks& masks, std::uint32_t cells,
-                      const std::vector<std::uint64_t>& bits)
+                      const std::vector<std::uint64_t>& bits, std::span<const KnownParts> parts)
 {
-    now_.add({key_of(point), &masks, 0, static_cast<std::uint32_t>(bits.size()), cells}, bits.data());
+    now_.add({key_of(point), &masks, 0, static_cast<std::uint32_t>(bits.size()), cells, 0,
+              static_cast<std::uint32_t>(parts.size())},
+             bits.data(), parts.data());
 }
 
 }   // namespace gnomon::environment_light

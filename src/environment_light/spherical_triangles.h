@@ -79,4 +79,12 @@ inline glm::dvec3 point_in(const Corners& c, double u, double v)
     return glm::normalize((1 - u - v) * c[0] + u * c[1] + v * c[2]);
 }
 
+// The point of a cell by the number of a member of the R2 sequence [Roberts 2018].
+inline glm::dvec3 jittered_in(const Corners& c, double index)
+{
+    constexpr double k_root = 1.32471795724474602596;   // of x^3 = x + 1
+    const auto fraction = [](double x) { return x - std::floor(x); };
+    return point_in(c, fraction(0.5 + index / k_root), fraction(0.5 + index / (k_root * k_root)));
+}
+
 }   // namespace gnomon::environment_light

@@ -18,6 +18,7 @@ constexpr std::uint32_t k_scened =
 
 constexpr SubcommandInfo k_subcommands[] = {
     {render, "render", "SCENE -o OUT", 1, "render an image, numbered images, or a video", true},
+    {join, "join", "OUT", 1, "end a video whose chunks are all rendered", true},
     {view, "view", "SCENE", 1, "show a scene in a window", true},
     {info, "info", "SCENE", 1, "print the contents of a scene", true},
     {compare, "compare", "A B", 2, "compare two images, of which the second is the reference", true},
@@ -100,11 +101,13 @@ constexpr Option k_options[] = {
     {.name = "animation", .argument = "NAME|N|all", .kind = Kind::text, .subcommands = k_scened | bit(info), .group = k_frames,
      .help = "animation of a glTF file that plays, by name or by number from 0; all: all of them (default: the first, and "
              "each further one that animates nothing that one before it animates)"},
-    {.name = "chunk", .argument = "I/N", .kind = Kind::chunk, .subcommands = bit(render), .group = k_frames,
-     .help = "render only the I-th of N contiguous parts of the range; for a video, only write its frames"},
+    {.name = "chunk", .argument = "I/N|A-B", .kind = Kind::chunk, .subcommands = bit(render), .group = k_frames,
+     .help = "render only the I-th of N contiguous parts of the range, or its frames A to B; for a video, only write its "
+             "frames, of which gnomon join makes the video"},
     {.name = "resume", .subcommands = bit(render), .group = k_frames,
-     .help = "keep frames that are already complete: for a video, those of the same scene and options; for numbered "
-             "images, all complete files of the right size"},
+     .help = "keep frames that are already complete: for a video, those that this version renders of the same scene with "
+             "the same options and instruction set; for numbered images, all complete files of the right size. A video "
+             "that is complete is left as it is"},
     {.name = "warm-up", .argument = "N", .kind = Kind::integer, .range = {0, k_many}, .subcommands = bit(render),
      .group = k_frames,
      .help = "first render the N frames before the range without writing them, to fill the caches (default: 0; 8 for a "

@@ -14,6 +14,7 @@ namespace gnomon::options {
 
 enum class Subcommand : std::uint8_t {
     render,
+    join,
     view,
     info,
     compare,
@@ -46,7 +47,7 @@ enum class Kind : std::uint8_t {
     choice,   // one of `choices`
     size,     // WxH
     range,    // A-B
-    chunk,    // I/N
+    chunk,    // I/N, or frames A-B
 };
 
 struct Option {

@@ -84,7 +84,7 @@ std::string expectation(const Option& option, const std::string& value)
         case Kind::range:
             return parse_range(value) ? std::string() : "expected A-B with 1 <= A <= B";
         case Kind::chunk:
-            return parse_chunk(value) ? std::string() : "expected I/N with 1 <= I <= N";
+            return parse_chunk(value) ? std::string() : "expected I/N with 1 <= I <= N, or frames A-B";
     }
     return {};
 }
@@ -126,6 +126,8 @@ std::optional<FrameRange> parse_range(std::string_view word)
 
 std::optional<Chunk> parse_chunk(std::string_view word)
 {
+    if (const auto range = parse_pair(word, "-"); range && range->first <= range->second)
+        return Chunk{.frames = FrameRange{range->first, range->second}};
     const auto pair = parse_pair(word, "/");
     if (!pair || pair->first > pair->second) return std::nullopt;
     return Chunk{pair->first, pair->second};

@@ -21,10 +21,12 @@ std::optional<FrameRange> parse_range(std::string_view word);   // A-B, or A alo
 /// Quotes a word for a shell where necessary.
 std::string shell_word(const std::string& word);
 
+/// A part of a range by its number, or by its frames.
 struct Chunk {
     int number = 1, of = 1;
+    std::optional<FrameRange> frames{};
 };
-std::optional<Chunk> parse_chunk(std::string_view word);   // I/N
+std::optional<Chunk> parse_chunk(std::string_view word);   // I/N, or frames A-B
 
 /// Asking for an option that the subcommand does not have is an internal error (InternalError).
 class OptionValues {

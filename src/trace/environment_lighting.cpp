@@ -104,23 +104,33 @@ void EnvironmentLighting::find_guides(const PointBatch& batch, std::span<const s
         const int y0 = y / step * step,
                   y1 = y % step == 0 || y == tile.height - 1 ? y : std::min(y0 + step, tile.height - 1);
         const int left = x1 == x ? x : x0, top = y1 == y ? y : y0;
+        // Bilinear weights; one of both columns, or rows, where these are the same.
+        const float fx = x1 > left ? static_cast<float>(x - left) / static_cast<float>(x1 - left) : 0,
+                    fy = y1 > top ? static_cast<float>(y - top) / static_cast<float>(y1 - top) : 0;
         std::size_t found = 0;
-        for (const auto& [gx, gy] :
-             {std::pair(left, top), std::pair(x1, top), std::pair(left, y1), std::pair(x1, y1)}) {
+        float sum = 0;
+        for (int corner = 0; corner < 4; ++corner) {
+            const int gx = corner % 2 == 0 ? left : x1, gy = corner < 2 ? top : y1;
             const std::uint32_t guide =
                 asked_of_pixel_[static_cast<std::uint32_t>(gy) * side + static_cast<std::uint32_t>(gx)];
             if (guide == k_nobody ||
                 batch.shadow_points[points[guide]].object != batch.shadow_points[points[k]].object ||
                 !continue_each_other(point, batch.points[points[guide]]))
                 continue;
+            guides.weight[found] = (corner % 2 == 0 ? 1 - fx : fx) * (corner < 2 ? 1 - fy : fy);
+            sum += guides.weight[found];
             guides.corner[found++] = guide;
         }
-        if (found < k_least_guides) continue;
+        if (found < k_least_guides || !(sum > 0)) continue;
+        for (float& weight : guides.weight) weight /= sum;
         for (; found < guides.corner.size(); ++found) guides.corner[found] = guides.corner[0];
         guides.block = (static_cast<std::uint32_t>(y0 / 2) * side + static_cast<std::uint32_t>(x0)) / 2;
         guides.number = static_cast<std::uint32_t>((y - y0) * k_lattice + (x - x0));
         guides_[k] = guides;
     }
+    for (std::size_t k = 0; k < guides_.size(); ++k)
+        if (guides_[k].pass != 0)
+            for (const std::uint32_t corner : guides_[k].corner) guides_[corner].guides = true;
 }
 
 void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
@@ -150,6 +160,7 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
         const TilePoint& point = batch.points[asked_[k]];
         const shading::SurfacePoint& s = point.surface;
         std::span<const std::uint64_t> seen = seen_.of(places_.place_of(k));
+        const std::span<const environment_light::PartialCell> partial = seen_.partial_of(places_.place_of(k));
         if (s.smooth_normal != s.geometric_normal) {
             // Others may share the place.
             smooth_seen_.assign(seen.begin(), seen.end());
@@ -160,7 +171,7 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
         const float highlight = highlight_share(s);
         const glm::vec3 albedo = highlight > 0 ? shading::glossy_albedo(s) : glm::vec3(0);
         if (s.diffuse != glm::vec3(0)) {
-            const glm::vec3 irradiance = light.light().irradiance(s.normal, seen);
+            const glm::vec3 irradiance = light.light().irradiance(s.normal, seen, partial);
             if (highlight < 1)
                 radiance += (1 - highlight) * shading::reflect_irradiance(s, point.next, glm::vec3(0), irradiance);
             // What the lobe does not reflect reaches the diffuse layer.
@@ -175,7 +186,7 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
                                                         .normal = s.normal,
                                                         .horizon = s.smooth_normal,
                                                         .roughness = s.roughness},
-                                                       seen);
+                                                       seen, partial);
         if (passing_.any() && radiance != glm::vec3(0))
             radiance *= passing_.from_cells(s, batch.shadow_points[asked_[k]].origin, light.visibility().cells(), seen);
         reflected_[asked_[k]] = luminance(radiance);

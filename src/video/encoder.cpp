@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
@@ -11,6 +10,7 @@
 #include "gnomon/error.h"
 #include "gnomon/video.h"
 #include "io/file/atomic_file.h"
+#include "video/mp4.h"
 #include "video/process.h"
 
 namespace gnomon::video {
@@ -26,57 +26,57 @@ constexpr const char* k_filters =
     "scale=flags=bicubic+accurate_rnd+full_chroma_int+bitexact:out_color_matrix=bt709:out_range=tv,format=yuv420p";
 
 // One thread everywhere: x264's results are repeatable, but depend on the number of threads.
-std::vector<std::string> encode_arguments(double fps, const fs::path& out)
+std::vector<std::string> encode_arguments(double fps, const fs::path& out, const std::string& comment)
 {
-    return {k_program,
-            "-hide_banner",
-            "-nostdin",
-            "-loglevel",
-            "error",
-            "-y",
-            "-f",
-            "image2pipe",
-            "-framerate",
-            fmt::format("{:.9g}", fps),
-            "-threads",
-            "1",
-            "-c:v",
-            "png",
-            "-i",
-            "pipe:0",
-            "-an",
-            "-sn",
-            "-map_metadata",
-            "-1",
-            "-filter_threads",
-            "1",
-            "-vf",
-            k_filters,
-            "-c:v",
-            "libx264",
-            "-threads",
-            "1",
-            "-crf",
-            k_quality,
-            "-preset",
-            "medium",
-            "-color_primaries",
-            "bt709",
-            "-color_trc",
-            "bt709",
-            "-colorspace",
-            "bt709",
-            "-color_range",
-            "tv",
-            "-fflags",
-            "+bitexact",
-            "-flags:v",
-            "+bitexact",
-            "-movflags",
-            "+faststart",
-            "-f",
-            "mp4",
-            "file:" + out.string()};
+    std::vector<std::string> arguments{k_program,
+                                       "-hide_banner",
+                                       "-nostdin",
+                                       "-loglevel",
+                                       "error",
+                                       "-y",
+                                       "-f",
+                                       "image2pipe",
+                                       "-framerate",
+                                       fmt::format("{:.9g}", fps),
+                                       "-threads",
+                                       "1",
+                                       "-c:v",
+                                       "png",
+                                       "-i",
+                                       "pipe:0",
+                                       "-an",
+                                       "-sn",
+                                       "-map_metadata",
+                                       "-1",
+                                       "-filter_threads",
+                                       "1",
+                                       "-vf",
+                                       k_filters,
+                                       "-c:v",
+                                       "libx264",
+                                       "-threads",
+                                       "1",
+                                       "-crf",
+                                       k_quality,
+                                       "-preset",
+                                       "medium",
+                                       "-color_primaries",
+                                       "bt709",
+                                       "-color_trc",
+                                       "bt709",
+                                       "-colorspace",
+                                       "bt709",
+                                       "-color_range",
+                                       "tv",
+                                       "-fflags",
+                                       "+bitexact",
+                                       "-flags:v",
+                                       "+bitexact",
+                                       "-movflags",
+                                       "+faststart"};
+    if (!comment.empty()) arguments.insert(arguments.end(), {"-metadata", "comment=" + comment});
+    arguments.insert(arguments.end(), {"-f", "mp4", "file:" + out.string()});
+    return arguments;
 }
 
 std::vector<std::uint8_t> bytes_of(const fs::path& file)
@@ -100,40 +100,10 @@ std::string last_line(const std::string& text)
     }
     return last;
 }
-
-// Whether an MP4 has its index and its media data, and ends where its last box does. An encoder that was interrupted
-// may exit without an error.
-bool is_whole_mp4(const fs::path& file)
-{
-    std::error_code error;
-    const std::uintmax_t size = fs::file_size(file, error);
-    std::ifstream in(file, std::ios::binary);
-    bool index = false, images = false;
-    std::uintmax_t at = 0;
-    while (!error && in && at < size) {
-        // Read a box header: its size in four bytes, or 1 and the size in the eight bytes after its type; its type in
-        // four.
-        std::array<unsigned char, 16> head{};
-        in.seekg(static_cast<std::streamoff>(at));
-        in.read(reinterpret_cast<char*>(head.data()), head.size());
-        in.clear();
-        const auto number = [&](std::size_t from, std::size_t to) {
-            std::uintmax_t value = 0;
-            for (std::size_t i = from; i < to; ++i) value = value << 8 | head[i];
-            return value;
-        };
-        const bool large = number(0, 4) == 1;
-        const std::uintmax_t part = large ? number(8, 16) : number(0, 4);
-        if (part < 8 || part > size - at) return false;
-        index |= number(4, 8) == 0x6d6f6f76;    // "moov"
-        images |= number(4, 8) == 0x6d646174;   // "mdat"
-        at += part;
-    }
-    return index && images && at == size;
-}
 }   // namespace
 
-void encode_video(const std::vector<fs::path>& frames, double fps, const fs::path& out, const Progress& progress)
+void encode_video(const std::vector<fs::path>& frames, double fps, const fs::path& out, const Progress& progress,
+                  const std::string& comment)
 {
     if (frames.empty()) throw UsageError(fmt::format("{}: a video needs at least one frame", out.string()));
     if (!(fps > 0)) throw UsageError(fmt::format("{}: the rate of a video must be above 0", out.string()));
@@ -141,7 +111,7 @@ void encode_video(const std::vector<fs::path>& frames, double fps, const fs::pat
     double done = 0;
     const auto keep_waiting = [&] { return !progress || progress({"encoding", done}); };
     io::AtomicFile file(out, frames.front().parent_path());   // the unfinished file is stored with the frames
-    Process ffmpeg(encode_arguments(fps, file.temporary()));
+    Process ffmpeg(encode_arguments(fps, file.temporary(), comment));
 
     // Feed the frames one by one. If the program stops reading, it has reported an error.
     bool reading = true;

@@ -3,6 +3,7 @@
 // Encodes videos with the ffmpeg program, which is run as a process because of the library's licence and ABI.
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "gnomon/types.h"
@@ -11,9 +12,10 @@ namespace gnomon::video {
 
 /// Encodes PNG frames of one size to H.264 in MP4: single-threaded, bit-exact, without metadata of time or machine;
 /// playable everywhere (yuv420p; an odd side loses its last row or column).
+/// @param comment  text that the video carries; empty: none
 /// @throws MissingError  ffmpeg is not found, fails, or is killed; no file remains at `out`
 void encode_video(const std::vector<std::filesystem::path>& frames, double fps, const std::filesystem::path& out,
-                  const Progress& progress = {});
+                  const Progress& progress = {}, const std::string& comment = {});
 
 /// Whether ffmpeg can be run. Checked before a long rendering.
 /// @throws InterruptedError  progress returned false

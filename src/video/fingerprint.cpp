@@ -6,11 +6,12 @@
 
 #include "api/scene_access.h"
 #include "base/hash.h"
+#include "gnomon/renderer.h"
 #include "scene/environment.h"
 #include "scene/material_layers.h"
 #include "scene/scene.h"
 #include "scene/value_tracks.h"
-#include "video/frames_folder.h"
+#include "video/identity.h"
 
 namespace gnomon::video {
 
@@ -228,9 +229,15 @@ std::uint64_t fingerprint_of(const scene::Scene& scene)
     return print.value();
 }
 
-std::uint64_t fingerprint_of_options(const Scene& scene, const RenderOptions& options)
+std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options)
+{
+    return fingerprint_of(fingerprint_of(*api::scene_of(scene)), scene, options);
+}
+
+std::uint64_t fingerprint_of(std::uint64_t of_scene, const Scene& scene, const RenderOptions& options)
 {
     Fingerprint print;
+    print.add(of_scene);
     print.add(options.size.width), print.add(options.size.height);
     print.add(options.camera);
     print.add(options.turntable_seconds);
@@ -255,16 +262,6 @@ std::uint64_t fingerprint_of_options(const Scene& scene, const RenderOptions& op
     print.add(options.overlay), print.add(options.overlay_light.value_or(-1));
     if (options.reference)
         print.add(options.reference->spp), print.add(options.reference->bounces), print.add(options.reference->seed);
-    return print.value();
-}
-
-std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options)
-{
-    Fingerprint print;
-    print.add(fingerprint_of(*api::scene_of(scene)));
-    print.add(fingerprint_of_options(scene, options));
-    print.add(options.arithmetic);
-    if (options.arithmetic == Arithmetic::native) print.add(std::string(instruction_set_name()));
     return print.value();
 }
 

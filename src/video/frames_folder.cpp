@@ -15,8 +15,8 @@
 #include <thread>
 #include <vector>
 
-#include "base/one_line.h"
 #include "io/file/atomic_file.h"
+#include "io/image/image_file.h"
 
 namespace gnomon::video {
 
@@ -55,43 +55,26 @@ std::vector<fs::path> entries(const fs::path& folder)
     return found;
 }
 
-nlohmann::ordered_json manifest_of(const VideoIdentity& identity)
-{
-    return {{"gnomon", identity.version},
-            {"scene", identity.scene},
-            {"width", identity.size.width},
-            {"height", identity.size.height},
-            {"isa", identity.isa},
-            {"fingerprint", fmt::format("{:016x}", identity.fingerprint)},
-            {"options", fmt::format("{:016x}", identity.options)}};
-}
-
-// What made the frames of another manifest that can be made again: "another scene"; empty if their size or options
-// differ, which is more likely a mistake.
-std::string redone(const nlohmann::ordered_json& found, const nlohmann::ordered_json& manifest)
-{
-    for (const char* key : {"width", "height", "options"})
-        if (!found.contains(key) || found[key] != manifest[key]) return {};
-    const auto text = [&](const char* key) {
-        return found.contains(key) && found[key].is_string() ? one_line(found[key].get<std::string>())
-                                                             : std::string("unknown");
-    };
-    std::string what;
-    const auto add = [&](std::string difference) { what += (what.empty() ? "" : ", ") + std::move(difference); };
-    if (text("gnomon") != manifest["gnomon"]) add(fmt::format("another version of Gnomon ({})", text("gnomon")));
-    if (text("isa") != manifest["isa"]) add(fmt::format("another instruction set ({})", text("isa")));
-    if (text("fingerprint") != manifest["fingerprint"]) add("another scene");
-    return what;
-}
-
-std::optional<nlohmann::ordered_json> read_manifest(const fs::path& file)
+std::optional<VideoIdentity> read_manifest_file(const fs::path& file)
 {
     std::error_code error;
     if (fs::file_size(file, error) > k_manifest_limit || error) return std::nullopt;
     std::ifstream in(file);
     auto manifest = nlohmann::ordered_json::parse(in, nullptr, false);
     if (!manifest.is_object()) return std::nullopt;
-    return manifest;
+    return read_manifest(manifest);
+}
+
+// How chunks of another video differ, which are at work in the same folder.
+std::string difference_at_work(const VideoIdentity& theirs, const VideoIdentity& ours)
+{
+    const std::string stamp = stamp_of(theirs);
+    const Difference difference = difference_of(stamp, ours);
+    if (difference != Difference::none)
+        return fmt::format("chunks of another video are at work there, whose frames are {}",
+                           describe(difference, stamp, ours));
+    return fmt::format("chunks of another video are at work there, of frames {}-{} at {:g} per second",
+                       theirs.frames.first, theirs.frames.last, theirs.fps);
 }
 }   // namespace
 
@@ -147,7 +130,7 @@ fs::path FramesFolder::file(int frame) const
     return folder_ / fmt::format("frame-{:06}.png", frame);
 }
 
-std::string FramesFolder::open(const VideoIdentity& identity, bool keep, bool shared)
+void FramesFolder::open(const VideoIdentity& identity, bool keep, bool shared)
 {
     make_and_lock(shared);
     bool frames = false;
@@ -159,46 +142,57 @@ std::string FramesFolder::open(const VideoIdentity& identity, bool keep, bool sh
         frames |= is_frame_name(name);
     }
 
-    const nlohmann::ordered_json manifest = manifest_of(identity);
-    const std::optional<nlohmann::ordered_json> found = read_manifest(folder_ / k_manifest);
-    const bool same = found && *found == manifest;
+    const std::optional<VideoIdentity> found = read_manifest_file(folder_ / k_manifest);
+    const bool same = found && manifest_of(*found) == manifest_of(identity);
     // Other runs may not have written frames yet; theirs will match their manifest.
-    const bool others = !alone_ && found;
-    std::string discarded;
-    if (frames && !same && keep && !shared && found) discarded = redone(*found, manifest);
-    if ((frames || others) && !same && (keep || shared) && discarded.empty()) {
-        const std::string why = found ? redone(*found, manifest) : std::string();
-        throw UsageError(fmt::format("{} contains frames of {}: remove it{}", folder_.string(),
-                                     why.empty() ? "another scene, size or set of options" : why,
-                                     keep && !shared ? ", or leave out --resume"
-                                     : shared && !why.empty()
-                                         ? ", or render all frames again with --resume and without --chunk"
-                                         : ""));
-    }
+    if (!alone_ && found && !same)
+        throw UsageError(fmt::format("{}: {}", folder_.string(), difference_at_work(*found, identity)));
+    // The same scene with other options is taken for a mistake. Frames of another scene, version or instruction set are
+    // outdated, and are rendered again one by one.
+    if (frames && (keep || shared) && found && difference_of(stamp_of(*found), identity) == Difference::options)
+        throw UsageError(fmt::format("{} contains frames of another size or set of options: remove it{}",
+                                     folder_.string(), keep && !shared ? ", or leave out --resume" : ""));
     std::error_code error;
-    if ((!keep && !shared) || !discarded.empty())
+    if (!keep && !shared)
         for (const fs::path& entry : entries(folder_)) fs::remove(entry, error);
     if (same && (keep || shared)) {
         if (shared) let_others_in();
-        return {};
+        return;
     }
     try {
         io::AtomicFile out(folder_ / k_manifest);
-        out.write(manifest.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+        out.write(manifest_of(identity).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
         out.commit();
     } catch (...) {
         if (made_ && !shared) fs::remove(folder_, error);   // a full disk; the folder stays if it is not empty
         throw;
     }
     if (shared) let_others_in();
-    return discarded;
+}
+
+std::optional<VideoIdentity> FramesFolder::open_existing()
+{
+    std::error_code error;
+    if (!fs::is_directory(folder_, error)) return std::nullopt;
+    make_and_lock(false);
+    return read_manifest_file(folder_ / k_manifest);
+}
+
+std::optional<FramesFolder::Found> FramesFolder::find(int frame, const VideoIdentity& identity) const
+{
+    const std::optional<std::string> stamp =
+        io::comment_of_whole_png(file(frame), identity.size.width, identity.size.height);
+    if (!stamp) return std::nullopt;
+    return Found{*stamp, difference_of(*stamp, identity)};
 }
 
 void FramesFolder::remove()
 {
+    // Remove the manifest last, so that frames left by a run that is killed here are still known as its own.
     std::error_code ignored;
     for (const fs::path& entry : entries(folder_, ignored))
-        if (is_ours(entry.filename().string())) fs::remove(entry, ignored);
+        if (is_ours(entry.filename().string()) && entry.filename() != k_manifest) fs::remove(entry, ignored);
+    fs::remove(folder_ / k_manifest, ignored);
     fs::remove(folder_, ignored);
 }
 

@@ -2,41 +2,20 @@
 #pragma once
 // OUT.frames/: the frames of an unfinished video.
 //
-// A small manifest identifies the video, so that frames of another scene, size or option are never reused. Only our own
-// files are ever removed; a folder with other files is rejected. While a video is made, its folder is locked (flock),
-// so that two runs never mix or remove each other's frames; the chunks of one video share the lock. The lock ends with
-// the process, however that ends. On a file system without locks, the folder is not locked.
+// A small manifest identifies the video, and each frame carries a stamp of what it shows and what rendered it, so that
+// frames of another scene, size, option, version or instruction set are never reused. Only our own files are ever
+// removed; a folder with other files is rejected. While a video is made, its folder is locked (flock), so that two runs
+// never mix or remove each other's frames; the chunks of one video share the lock. The lock ends with the process,
+// however that ends. On a file system without locks, the folder is not locked.
 
-#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "gnomon/video.h"
-
-namespace gnomon::scene {
-class Scene;
-}
+#include "video/identity.h"
 
 namespace gnomon::video {
-
-/// Properties that all frames of a video have in common.
-struct VideoIdentity {
-    std::string scene;   // name, for messages
-    Size size;
-    std::uint64_t fingerprint = 0;   // of the scene, see fingerprint_of
-    std::string version;             // of Gnomon, because another version may render differently
-    std::uint64_t options = 0;       // fingerprint_of_options
-    std::string isa = "auto";        // what images depend on: nothing, or "native" with the instruction set
-};
-
-/// Hash of everything in the scene that affects images, without names. Cost: its vertices and texels, and at most a
-/// thousand evaluations per track.
-std::uint64_t fingerprint_of(const scene::Scene& scene);
-/// Hash of all options that affect images; the number of threads, for example, does not. The instruction set, which
-/// VideoIdentity names, is no part of it.
-std::uint64_t fingerprint_of_options(const Scene& scene, const RenderOptions& options);
-/// Hash of everything that images depend on: the scene, the options and, with Arithmetic::native, the instruction set.
-std::uint64_t fingerprint_of(const Scene& scene, const RenderOptions& options);
 
 class FramesFolder {
  public:
@@ -46,15 +25,25 @@ class FramesFolder {
     FramesFolder& operator=(const FramesFolder&) = delete;
 
     /// Creates the folder, or opens an existing one.
-    /// @param keep    keep frames of the same video, and remove those that another version, instruction set or scene
-    ///                gave; without it, remove all
-    /// @param shared  other processes may use it at the same time: frames of another video are then an error
-    /// @return        what made the frames that were removed although `keep` was given: "another scene"; else empty
-    /// @throws UsageError    it has frames of another size or with other options, or files that are not ours
+    /// @param keep    keep existing frames; their stamps say which of them can be reused
+    /// @param shared  other processes may use it at the same time, so that no frame is removed
+    /// @throws UsageError    to be kept or shared, it has frames of the same scene with other options; or chunks of
+    ///         another video are at work there; or it has files that are not ours
     /// @throws MissingError  it cannot be written, or another run uses it
-    std::string open(const VideoIdentity& identity, bool keep, bool shared);
+    void open(const VideoIdentity& identity, bool keep, bool shared);
+
+    /// Opens an existing folder alone and keeps its frames. Returns what its manifest says; nothing if there is no
+    /// folder, or no manifest in it.
+    /// @throws MissingError  another run uses it
+    std::optional<VideoIdentity> open_existing();
 
     std::filesystem::path file(int frame) const;
+    /// Why a frame has to be rendered: it is not there or not complete (nothing), else how it differs.
+    struct Found {
+        std::string stamp;   // empty if it has none
+        Difference difference = Difference::none;
+    };
+    std::optional<Found> find(int frame, const VideoIdentity& identity) const;
 
     /// Removes our files, and the folder if it is empty then; errors are ignored. Not for a shared folder, because its
     /// files also belong to others.

@@ -4,15 +4,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 #include "api/scene_access.h"
+#include "base/instruction_set.h"
 #include "gnomon/version.h"
 #include "io/file/output_name.h"
 #include "io/image/exr.h"
 #include "io/image/image_file.h"
 #include "scene/scene.h"
 #include "video/encoder.h"
+#include "video/frame_list.h"
 #include "video/frames_folder.h"
+#include "video/mp4.h"
 
 namespace gnomon {
 
@@ -33,20 +37,10 @@ constexpr std::size_t k_channels_beside_shadows =
     25;                                // of all other layers but ids and motion, including those of a reference
 constexpr int k_overlay_warm_up = 8;   // frames before a single image of the cached state
 
-// What the bytes of frames depend on: nothing, or the instruction set.
-std::string instruction_set_of(const RenderOptions& options)
+// Whether other runs render the other frames.
+bool is_part(const VideoJob& job)
 {
-    return options.arithmetic == Arithmetic::portable ? "auto" : fmt::format("native {}", instruction_set_name());
-}
-
-video::VideoIdentity identity_of(const Scene& scene, const Renderer& renderer, Size size)
-{
-    return {scene.info().name,
-            size,
-            video::fingerprint_of(*api::scene_of(scene)),
-            std::string(version()),
-            video::fingerprint_of_options(scene, renderer.options()),
-            instruction_set_of(renderer.options())};
+    return job.chunks > 1 || job.part;
 }
 
 void check_job(const Scene& scene, const VideoJob& job, FrameRange frames, io::OutputKind kind)
@@ -61,6 +55,9 @@ void check_job(const Scene& scene, const VideoJob& job, FrameRange frames, io::O
     if (kind == io::OutputKind::video && !(job.fps >= k_slowest_video && job.fps <= k_fastest_video))
         throw UsageError(fmt::format("{}: a video of {:g} frames a second: expected {} to {}; --fps sets another rate",
                                      out, job.fps, k_slowest_video, k_fastest_video));
+    if (job.part && (job.part->count() == 0 || job.part->first < frames.first || job.part->last > frames.last))
+        throw UsageError(fmt::format("chunk {}-{}: the range has frames {} to {}", job.part->first, job.part->last,
+                                     frames.first, frames.last));
     if (job.warm_up.value_or(0) < 0) throw UsageError("the number of warm-up frames must not be negative");
     if (job.contact_sheet.empty()) return;
     if (io::is_exr_name(job.out)) throw UsageError("a contact sheet needs .png or .mp4 output, not .exr");
@@ -73,7 +70,7 @@ void check_job(const Scene& scene, const VideoJob& job, FrameRange frames, io::O
         if (plain(io::numbered_name(job.out, frame)) == sheet)
             throw UsageError(
                 fmt::format("{}: the contact sheet would overwrite an image; choose another name", sheet.string()));
-    if (job.chunks > 1) throw UsageError("a contact sheet needs the whole range; it cannot be combined with --chunk");
+    if (is_part(job)) throw UsageError("a contact sheet needs the whole range; it cannot be combined with --chunk");
 }
 
 // A shadow channel per light may be too many. Check before rendering that the file can be read again.
@@ -145,6 +142,108 @@ void write_sheet(const std::vector<FrameRecord>& frames, const fs::path& out)
     }
     write_contact_sheet(pngs, labels, std::min<int>(k_sheet_columns, static_cast<int>(pngs.size())), out);
 }
+
+video::VideoIdentity identity_of(const Scene& scene, const RenderOptions& options, const VideoJob& job,
+                                 FrameRange whole)
+{
+    video::VideoIdentity identity;
+    identity.scene = scene.info().name;
+    identity.size = image_size(scene, options);
+    identity.version = version();
+    // Portable arithmetic gives the same bytes under every instruction set.
+    identity.instruction_set = options.arithmetic == Arithmetic::portable
+                                   ? std::string("auto")
+                                   : fmt::format("native-{}", instruction_set_name());
+    identity.scene_fingerprint = video::fingerprint_of(*api::scene_of(scene));
+    identity.fingerprint = video::fingerprint_of(identity.scene_fingerprint, scene, options);
+    identity.frames = whole;
+    identity.fps = job.fps;
+    return identity;
+}
+
+// Whether the finished video is this one. Says why a video that is there is another one.
+bool is_complete(const VideoJob& job, const video::VideoIdentity& identity)
+{
+    // The contact sheet is written before the video, from frames that are removed with it.
+    std::error_code none;
+    if (!fs::exists(job.out, none) || (!job.contact_sheet.empty() && !fs::exists(job.contact_sheet, none)))
+        return false;
+    const std::string comment = video::comment_of_mp4(job.out);
+    const bool whole = video::is_whole_mp4(job.out);
+    if (comment == video::comment_of(identity) && whole) return true;
+    if (is_part(job) || !job.on_notice) return false;
+    const std::string stamp = video::stamp_in(comment);
+    const video::Difference difference = video::difference_of(stamp, identity);
+    const std::string reason = !whole                                  ? "incomplete"
+                               : difference == video::Difference::none ? "of other frames, or at another rate"
+                                                                       : describe(difference, stamp, identity);
+    job.on_notice(fmt::format("{} is {}: it is rendered again", job.out.string(), reason));
+    return false;
+}
+
+// The result for a video that is complete. A run that was killed after it had encoded the video has left its frames.
+VideoResult nothing_to_do(const Scene& scene, const VideoJob& job, FrameRange range,
+                          const video::VideoIdentity& identity, video::FramesFolder& folder)
+{
+    VideoResult result;
+    result.size = identity.size;
+    result.complete_before = true;
+    for (int frame = range.first; frame <= range.last; ++frame) {
+        FrameRecord record;
+        record.frame = frame;
+        record.time = scene.time_of(frame);
+        record.file = job.out;
+        record.kept = true;
+        result.frames.push_back(std::move(record));
+    }
+    result.files.push_back(job.out);
+    if (is_part(job)) return result;
+    const auto left = folder.open_existing();
+    if (left ? video::comment_of(*left) == video::comment_of(identity) : !folder.has_frames()) folder.remove();
+    return result;
+}
+
+// Which frames of the range an earlier run has completed. Says which others it has left, and why they are not kept.
+std::vector<bool> find_kept(const VideoJob& job, FrameRange range, const video::VideoIdentity& identity,
+                            const video::FramesFolder& folder, io::OutputKind kind, Size size, const Progress& progress)
+{
+    std::vector<bool> kept(static_cast<std::size_t>(range.count()));
+    if (!job.resume) return kept;
+    std::map<std::string, std::vector<int>> outdated;   // by reason
+    for (int frame = range.first; frame <= range.last; ++frame) {
+        if (progress && !progress({"rendering", 0})) throw InterruptedError("interrupted");
+        const auto index = static_cast<std::size_t>(frame - range.first);
+        if (kind != io::OutputKind::video) {
+            kept[index] = is_whole(io::numbered_name(job.out, frame), size);
+        } else if (const auto found = folder.find(frame, identity)) {
+            kept[index] = found->difference == video::Difference::none;
+            if (!kept[index]) outdated[describe(found->difference, found->stamp, identity)].push_back(frame);
+        }
+    }
+    for (const auto& [reason, frames] : outdated)
+        if (job.on_notice)
+            job.on_notice(fmt::format("{} of {} {} {}: {} rendered again", video::list_frames(frames),
+                                      folder.path().string(), frames.size() == 1 ? "is" : "are", reason,
+                                      frames.size() == 1 ? "it is" : "they are"));
+    return kept;
+}
+
+// Writes a frame to the record's file and notes what it took. A frame of a video, which is a PNG without alpha, carries
+// a stamp.
+void write_frame(const Frame& frame, const std::string& stamp, FrameRecord& record)
+{
+    if (stamp.empty()) {
+        frame.write(record.file);
+    } else {
+        Image8 image(frame.size.width, frame.size.height, 3);
+        image.data = frame.to_srgb8();
+        io::write_png(record.file, image, stamp);
+    }
+    record.milliseconds = frame.milliseconds;
+    record.times = frame.times;
+    record.counters = frame.counters;
+    record.noise = frame.noise;
+}
 }   // namespace
 
 VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob& job, const Progress& progress,
@@ -161,8 +260,14 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
     const FrameRange whole =
         job.frames.value_or(FrameRange{1, kind == io::OutputKind::image ? 1 : scene.frame_count()});
     check_job(scene, job, whole, kind);
-    const FrameRange range = chunk_of(whole, job.chunk, job.chunks);
-    const bool encodes = kind == io::OutputKind::video && job.chunks == 1;
+    const FrameRange range = job.part.value_or(chunk_of(whole, job.chunk, job.chunks));
+    const bool encodes = kind == io::OutputKind::video && !is_part(job);
+    video::FramesFolder folder(job.out);
+    video::VideoIdentity identity;
+    if (kind == io::OutputKind::video) {
+        identity = identity_of(scene, renderer.options(), job, whole);
+        if (job.resume && is_complete(job, identity)) return nothing_to_do(scene, job, range, identity, folder);
+    }
     if (encodes && !video::have_ffmpeg(progress))
         throw MissingError(
             "ffmpeg with libx264 is needed for .mp4 and was not found; write name-{frame:04}.png instead");
@@ -175,16 +280,14 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
     check_layers(scene, renderer.options(), result.size, job.out);
     check_room(job.out, result.size, range.count());
 
-    video::FramesFolder folder(job.out);
-    if (kind == io::OutputKind::video) {
-        result.discarded = folder.open(identity_of(scene, renderer, result.size), job.resume, job.chunks > 1);
-    }
+    if (kind == io::OutputKind::video) folder.open(identity, job.resume, is_part(job));
+    const std::vector<bool> kept = find_kept(job, range, identity, folder, kind, result.size, progress);
 
     // Remove the folder only if it is empty, because other chunks may be about to write their first frame. Ignore
     // errors here, so that the original error is reported.
     const auto let_go_if_empty = [&]() noexcept {
         try {
-            if (job.chunks == 1 && !folder.has_frames()) folder.remove();
+            if (!is_part(job) && !folder.has_frames()) folder.remove();
         } catch (...) {
         }
     };
@@ -203,17 +306,13 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
             record.frame = frame;
             record.time = scene.time_of(frame);
             record.file = kind == io::OutputKind::video ? folder.file(frame) : io::numbered_name(job.out, frame);
-            record.kept = job.resume && is_whole(record.file, result.size);
+            record.kept = kept[static_cast<std::size_t>(index)];
             if (!step(0)) throw InterruptedError("interrupted");
             if (!record.kept) {
                 if (!warm) warm_up(scene, renderer, frame, warm_up_frames, progress);
                 warm = true;
                 const Frame image = renderer.render(scene, frame, [&](const ProgressStep& s) { return step(s.done); });
-                image.write(record.file);
-                record.milliseconds = image.milliseconds;
-                record.times = image.times;
-                record.counters = image.counters;
-                record.noise = image.noise;
+                write_frame(image, kind == io::OutputKind::video ? video::stamp_of(identity) : "", record);
             }
             if (on_frame) on_frame(record);
             result.frames.push_back(std::move(record));
@@ -238,7 +337,7 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
     // Encode the video when all frames are complete, and remove the frames.
     std::vector<fs::path> frames;
     for (const FrameRecord& record : result.frames) frames.push_back(record.file);
-    video::encode_video(frames, job.fps, job.out, progress);
+    video::encode_video(frames, job.fps, job.out, progress, video::comment_of(identity));
     folder.remove();
     for (FrameRecord& record : result.frames) record.file = job.out;
     result.files.push_back(job.out);

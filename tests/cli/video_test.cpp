@@ -144,41 +144,21 @@ TEST_F(Video, DoesNotReuseFramesOfAnotherVideo)
 {
     make("a.mp4", {"--chunk", "1/2"});
     const auto frames = names_in(folder / "a.mp4.frames");
-    // Another exposure, number of samples, light or scene is detected, and existing files are kept.
-    for (const std::vector<std::string>& other : {std::vector<std::string>{"--exposure", "1"}, {"--samples", "2"}}) {
+    // Another exposure or number of samples is detected, and existing files are kept.
+    for (const std::vector<std::string>& other :
+         {std::vector<std::string>{"--exposure", "1"}, {"--samples", "2"}, {"--max-depth", "1"}}) {
         std::vector<std::string> more = other;
         more.emplace_back("--resume");
-        expect_failure(run(arguments("a.mp4", more)), 2, "another scene, size or set of options");
+        expect_failure(run(arguments("a.mp4", more)), 2, "another size or set of options");
         more = other;
         more.insert(more.end(), {"--chunk", "2/2"});
-        expect_failure(run(arguments("a.mp4", more)), 2, "another scene, size or set of options");
-    }
-    for (const std::vector<std::string>& other :
-         {std::vector<std::string>{"--light", "point 0 0 0 1 1 1"}, {"--lights", "0"}}) {
-        std::vector<std::string> more = other;
-        more.insert(more.end(), {"--chunk", "2/2"});
-        expect_failure(run(arguments("a.mp4", more)), 2, "another scene");
+        expect_failure(run(arguments("a.mp4", more)), 2, "another size or set of options");
     }
     EXPECT_EQ(names_in(folder / "a.mp4.frames"), frames);
     // Without --resume, a video starts from the beginning.
     make("a.mp4", {"--exposure", "1"});
     make("b.mp4", {"--exposure", "1"});
     EXPECT_EQ(bytes_of(folder / "a.mp4"), bytes_of(folder / "b.mp4"));
-}
-
-TEST_F(Video, RendersFramesOfAnotherSceneAgain)
-{
-    make("whole.mp4", {"--light", "point 0 0 0 1 1 1"});
-    make("a.mp4", {"--chunk", "1/2"});
-    const Outcome again = run([&] {
-        std::vector<std::string> all{"render", k_scene, "-o",      folder / "a.mp4",    "--frames", "1-12",
-                                     "--size", "65x49", "--light", "point 0 0 0 1 1 1", "--resume"};
-        return all;
-    }());
-    ASSERT_EQ(again.code, 0) << again.err;
-    EXPECT_NE(again.err.find("frames of another scene were there; they are rendered again"), std::string::npos)
-        << again.err;
-    EXPECT_EQ(bytes_of(folder / "a.mp4"), bytes_of(folder / "whole.mp4"));
 }
 
 TEST_F(Video, KeepsForeignFiles)

@@ -329,6 +329,55 @@ TEST(CellProofs, AreNeverWrongAmongRandomTriangles)
 }
 
 // All static triangles of a courtyard with foliage, from small parts to whole triangles.
+// What is known of a cell as a whole holds for every direction of it, from every point of the part; without the check
+// of whole cells it does not.
+TEST(CellProofs, HoldForAllOfACellWhereTheySaySo)
+{
+    const scene::Environment sky = sunny();
+    const DirectionCells cells(sky);
+    for (const bool check : {true, false}) {
+        ProofOptions options;
+        if (!check) options.left_out = ProofCheck::whole_cell;
+        std::uint64_t tested = 0, wrong = 0, leaves = 0;
+        for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+            const World world(seed);
+            if (world.surroundings.triangles().size() == 0) continue;
+            Random random(seed);
+            const CellProofs proofs(world.surroundings.triangles(), cells, options);
+            for (const ShadowPoint& p : random_points(*world.scene, world.rays, random, 12)) {
+                if (world.surroundings.triangles().first_of(p.object) == visibility::no_triangle) continue;
+                constexpr std::uint32_t k_level = 5;
+                const MicroTriangle part = micro_at(micro_index_at(p.u, p.v, k_level), k_level);
+                const PartMasks thin = proofs.judge(world.id_of(p), p.front, part, k_level),
+                                masks = proofs.judge(world.id_of(p), p.front, part, k_level, &thin, true);
+                for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
+                    const auto has = [&](const std::vector<std::uint64_t>& mask) {
+                        return (mask[leaf / 64] >> (leaf % 64) & 1) != 0;
+                    };
+                    if (!has(masks.whole)) continue;
+                    EXPECT_FALSE(has(masks.open));
+                    ++leaves;
+                    const DirectionNode& node = cells.nodes()[cells.node_of(leaf)];
+                    float u = random.uniform(), v = random.uniform();
+                    if (u + v > 1) u = 1 - u, v = 1 - v;
+                    const glm::vec3 d(glm::normalize(static_cast<double>(1 - u - v) * node.corner[0] +
+                                                     static_cast<double>(u) * node.corner[1] +
+                                                     static_cast<double>(v) * node.corner[2]));
+                    if (glm::dot(d, p.normal) <= 2e-3f) continue;
+                    ++tested;
+                    wrong += has(masks.free) ==
+                             world.rays.occluded_single(p.origin, 0, d, k_infinity, ray::Against::static_only);
+                }
+            }
+        }
+        EXPECT_GT(tested, 10'000u) << leaves;
+        if (check)
+            EXPECT_EQ(wrong, 0u);
+        else
+            EXPECT_GT(wrong, 0u);
+    }
+}
+
 TEST(CellProofs, AreNeverWrongInACourtyard)
 {
     const scene::Environment sky = even_sky();
@@ -393,6 +442,12 @@ TEST(CellVisibility, IsThatOfRays)
             visibility.find(scratch, points, asked, {}, frame == 3 ? nullptr : &memory, seen);
             if (frame == 0) first = seen;
             EXPECT_EQ(seen.masks, first.masks) << frame;
+            for (std::size_t k = 0; k < points.size(); ++k) {
+                const auto shares = seen.partial_of(k), before = first.partial_of(k);
+                EXPECT_TRUE(std::ranges::equal(shares, before, [](const PartialCell& a, const PartialCell& b) {
+                    return a.leaf == b.leaf && a.share == b.share;
+                })) << frame;
+            }
             if (frame == 0) rays[families] += scratch.counters.rays;
         }
         EXPECT_GT(scratch.counters.remembered, 0u);

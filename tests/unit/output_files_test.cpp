@@ -16,6 +16,7 @@
 #include "io/file/output_name.h"
 #include "io/image/image_file.h"
 #include "support.h"
+#include "video/frame_list.h"
 #include "video/frames_folder.h"
 
 namespace gnomon {
@@ -130,6 +131,45 @@ TEST(FramesFolder, AcceptsChunksThatStartTogether)
             EXPECT_NO_THROW(frames.open({"scene", {8, 8}, 1, "1.0"}, false, true));
         });
     for (std::thread& chunk : chunks) chunk.join();
+}
+
+// A frame is found with the reason why it is not of this video; the version is named first.
+TEST(FramesFolder, FindsWhatRenderedAFrame)
+{
+    const test::ScratchFolder folder;
+    video::FramesFolder frames(folder / "a.mp4");
+    const video::VideoIdentity ours{"scene", {8, 8}, 1, "1.0", 7, "avx2"};
+    frames.open(ours, false, false);
+    EXPECT_FALSE(frames.find(1, ours)) << "it is not there";
+    const auto found = [&](video::VideoIdentity theirs) {
+        io::write_png(frames.file(1), Image8(8, 8, 3), video::stamp_of(theirs));
+        const auto frame = frames.find(1, ours);
+        EXPECT_TRUE(frame);
+        return frame ? frame->difference : video::Difference::none;
+    };
+    EXPECT_EQ(found({"another name", {8, 8}, 1, "1.0", 7, "avx2"}), video::Difference::none);
+    EXPECT_EQ(found({"scene", {8, 8}, 2, "1.1", 8, "sse4.2"}), video::Difference::version);
+    EXPECT_EQ(found({"scene", {8, 8}, 2, "1.0", 8, "sse4.2"}), video::Difference::scene);
+    EXPECT_EQ(found({"scene", {8, 8}, 2, "1.0", 7, "sse4.2"}), video::Difference::options);
+    EXPECT_EQ(found({"scene", {8, 8}, 1, "1.0", 7, "sse4.2"}), video::Difference::instruction_set);
+    io::write_png(frames.file(1), Image8(8, 8, 3));
+    EXPECT_EQ(frames.find(1, ours)->difference, video::Difference::unknown);
+    io::write_png(frames.file(1), Image8(8, 9, 3), video::stamp_of(ours));
+    EXPECT_FALSE(frames.find(1, ours)) << "of another size";
+    EXPECT_EQ(video::stamp_in(video::comment_of(ours)), video::stamp_of(ours));
+    EXPECT_EQ(video::stamp_in("shot on location, at dawn"), "");
+}
+
+TEST(ListFrames, JoinsConsecutiveFrames)
+{
+    EXPECT_EQ(video::list_frames({3}), "frame 3");
+    EXPECT_EQ(video::list_frames({3, 4, 5}), "frames 3-5");
+    EXPECT_EQ(video::list_frames({1, 3, 4, 9}), "frames 1, 3-4 and 9");
+    std::vector<int> odd;
+    for (int i = 1; i < 100; i += 2) odd.push_back(i);
+    EXPECT_EQ(video::list_frames(odd), "frames 1, 3, 5, 7, 9, 11, 13, 15 and 42 more");
+    EXPECT_EQ(video::first_range({9, 4, 3}), "3-4");
+    EXPECT_EQ(video::first_range({9}), "9-9");
 }
 
 TEST(ChunkOf, ChunksPartitionTheRangeEvenly)

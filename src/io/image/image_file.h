@@ -5,7 +5,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "base/image.h"
@@ -25,15 +27,18 @@ Image8 read_image(const std::filesystem::path& file, const ImageLimits& limits =
 /// The same from memory; `name` is for messages.
 Image8 decode_image(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits = {});
 
-/// Writes an 8-bit PNG with 1 to 4 channels; the bytes depend on the pixels only.
+/// Writes an 8-bit PNG with 1 to 4 channels; the bytes depend on the pixels and the comment only.
+/// @param comment  ASCII text that the file carries; empty: none
 /// @throws MissingError if it cannot be written
-void write_png(const std::filesystem::path& file, const Image8& image);
+void write_png(const std::filesystem::path& file, const Image8& image, const std::string& comment = {});
 
 /// The same bytes, in memory.
 /// @throws MissingError  out of memory
-std::vector<std::uint8_t> encode_png(const Image8& image);
+std::vector<std::uint8_t> encode_png(const Image8& image, const std::string& comment = {});
 
 /// Whether a file is a complete PNG of that size; the checksums of all chunks are verified.
 bool is_whole_png(const std::filesystem::path& file, int width, int height);
+/// The comment of such a file, empty if it has none; nothing if the file is not complete or has another size.
+std::optional<std::string> comment_of_whole_png(const std::filesystem::path& file, int width, int height);
 
 }   // namespace gnomon::io

@@ -23,6 +23,7 @@ namespace {
 // takes a third of the time of libpng's defaults and gives files of the same size.
 constexpr int k_compression_level = 3;
 constexpr int k_filter = PNG_FILTER_UP;
+constexpr const char* k_comment_key = "Comment";
 
 // State shared with the callbacks. Exceptions must not pass through libpng: callbacks store them here and longjmp.
 struct Encoding {
@@ -52,7 +53,7 @@ void note_error(png_structp png, png_const_charp text)
 void ignore_warning(png_structp, png_const_charp) {}
 
 // No object in this function has a destructor, because longjmp may leave it.
-bool encode(const Image8& image, Encoding& encoding)
+bool encode(const Image8& image, const std::string& comment, Encoding& encoding)
 {
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &encoding, note_error, ignore_warning);
     if (!png) return false;
@@ -69,6 +70,14 @@ bool encode(const Image8& image, Encoding& encoding)
                  PNG_FILTER_TYPE_DEFAULT);
     png_set_compression_level(png, k_compression_level);
     png_set_filter(png, PNG_FILTER_TYPE_BASE, k_filter);
+    if (!comment.empty()) {
+        png_text text{};
+        text.compression = PNG_TEXT_COMPRESSION_NONE;
+        text.key = const_cast<char*>(k_comment_key);   // libpng only reads both
+        text.text = const_cast<char*>(comment.c_str());
+        text.text_length = comment.size();
+        png_set_text(png, info, &text, 1);
+    }
     png_write_info(png, info);
     for (int y = 0; y < image.height; ++y) png_write_row(png, image.pixel(0, y));
     png_write_end(png, info);
@@ -84,53 +93,63 @@ std::uint32_t big_endian(const std::uint8_t* p)
 }
 }   // namespace
 
-std::vector<std::uint8_t> encode_png(const Image8& image)
+std::vector<std::uint8_t> encode_png(const Image8& image, const std::string& comment)
 {
     GNOMON_CHECK(image.width > 0 && image.height > 0 && image.channels >= 1 && image.channels <= 4);
     Encoding encoding;
-    if (!encode(image, encoding))
+    if (!encode(image, comment, encoding))
         throw MissingError(
             fmt::format("cannot encode a PNG: {}", encoding.error[0] ? encoding.error : "libpng could not start"));
     return std::move(encoding.bytes);
 }
 
-void write_png(const std::filesystem::path& file, const Image8& image)
+void write_png(const std::filesystem::path& file, const Image8& image, const std::string& comment)
 {
     AtomicFile out(file);
-    const std::vector<std::uint8_t> bytes = encode_png(image);
+    const std::vector<std::uint8_t> bytes = encode_png(image, comment);
     out.write(bytes.data(), bytes.size());
     out.commit();
 }
 
 bool is_whole_png(const std::filesystem::path& file, int width, int height)
 {
+    return comment_of_whole_png(file, width, height).has_value();
+}
+
+std::optional<std::string> comment_of_whole_png(const std::filesystem::path& file, int width, int height)
+{
     std::error_code ignored;
     std::ifstream in(file, std::ios::binary);
-    if (!in || !std::filesystem::is_regular_file(file, ignored)) return false;
+    if (!in || !std::filesystem::is_regular_file(file, ignored)) return std::nullopt;
     const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(in), {}};
     if (bytes.size() < k_signature.size() || std::memcmp(bytes.data(), k_signature.data(), k_signature.size()) != 0)
-        return false;
+        return std::nullopt;
 
     // Walk the chunks: length, type, data, checksum of type and data [PNG, 5.3].
     constexpr std::size_t frame_bytes = 12;
     constexpr std::size_t header_bytes = 13;
+    const std::size_t key_bytes = std::strlen(k_comment_key) + 1;   // with the null character that ends it
+    std::string comment;
     bool first = true;
     for (std::size_t at = k_signature.size(); at + frame_bytes <= bytes.size();) {
         const std::uint8_t* chunk = bytes.data() + at;
         const std::size_t length = big_endian(chunk);
-        if (length > bytes.size() - at - frame_bytes) return false;
+        if (length > bytes.size() - at - frame_bytes) return std::nullopt;
         const uLong checksum = crc32(crc32(0, nullptr, 0), chunk + 4, static_cast<uInt>(length + 4));
-        if (checksum != big_endian(chunk + 8 + length)) return false;
+        if (checksum != big_endian(chunk + 8 + length)) return std::nullopt;
         if (first) {
-            if (std::memcmp(chunk + 4, "IHDR", 4) != 0 || length != header_bytes) return false;
-            if (big_endian(chunk + 8) != static_cast<std::uint32_t>(width)) return false;
-            if (big_endian(chunk + 12) != static_cast<std::uint32_t>(height)) return false;
+            if (std::memcmp(chunk + 4, "IHDR", 4) != 0 || length != header_bytes) return std::nullopt;
+            if (big_endian(chunk + 8) != static_cast<std::uint32_t>(width)) return std::nullopt;
+            if (big_endian(chunk + 12) != static_cast<std::uint32_t>(height)) return std::nullopt;
             first = false;
         }
+        if (std::memcmp(chunk + 4, "tEXt", 4) == 0 && length >= key_bytes &&
+            std::memcmp(chunk + 8, k_comment_key, key_bytes) == 0)
+            comment.assign(reinterpret_cast<const char*>(chunk + 8 + key_bytes), length - key_bytes);
         at += frame_bytes + length;
-        if (std::memcmp(chunk + 4, "IEND", 4) == 0) return at == bytes.size();
+        if (std::memcmp(chunk + 4, "IEND", 4) == 0) return at == bytes.size() ? std::optional(comment) : std::nullopt;
     }
-    return false;
+    return std::nullopt;
 }
 
 }   // namespace gnomon::io

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+# Makes a Debian package with CPack: `./dev package`.
+#
+# The package has the same bytes wherever it is built from the same sources with the same packages of Debian: the paths
+# of the machine are left out of the code (GnomonTargets.cmake), and files have the time SOURCE_DATE_EPOCH. It contains a
+# list of what is linked, in the format of SPDX 2.3.
+if(NOT GNOMON_INSTALL OR NOT GNOMON_PROGRAM)
+    message(FATAL_ERROR "GNOMON_PACKAGE needs GNOMON_INSTALL and GNOMON_PROGRAM")
+endif()
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+
+install(FILES cmake/package/copyright CHANGELOG.md DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(DIRECTORY examples/slurm examples/openjd DESTINATION "${CMAKE_INSTALL_DOCDIR}/examples" USE_SOURCE_PERMISSIONS)
+# The list is made when the package is, because Ninja can say only then which headers were compiled in.
+set(sbom "${PROJECT_BINARY_DIR}/gnomon.spdx.json")
+install(CODE "execute_process(COMMAND_ERROR_IS_FATAL ANY COMMAND \"${Python3_EXECUTABLE}\" -B
+    \"${PROJECT_SOURCE_DIR}/tools/sbom.py\" \"${PROJECT_BINARY_DIR}\" \"${PROJECT_VERSION}\" \"${sbom}\")")
+install(FILES "${sbom}" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME gnomon)
+set(CPACK_PACKAGE_VENDOR "Gnomon")
+set(CPACK_PACKAGE_CONTACT "The authors of Gnomon")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "renderer of animated 3D scenes that recomputes only what changed")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)   # dependencies of the libraries that are linked
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "ffmpeg, libvulkan1, mesa-vulkan-drivers")   # videos, the rasteriser
+set(CPACK_PRE_BUILD_SCRIPTS "${CMAKE_CURRENT_LIST_DIR}/package/set_times.cmake")
+include(CPack)

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// What the two files of CellVisibility (cell_visibility.cpp, cell_parts.cpp) share.
+
+#include <algorithm>
+#include <bit>
+
+#include "environment_light/cell_visibility.h"
+
+namespace gnomon::environment_light {
+
+inline constexpr std::size_t k_rays_at_once = 1 << 14;
+inline constexpr std::size_t k_block = 16;   // points whose rays in one direction are neighbours
+// Of a ray's direction above the surface, least sine: below, the mean direction of the cell stands in.
+inline constexpr float k_least_sine = 1e-3f;
+// Points in the dark look for windows in one of so many sets of directions.
+inline constexpr std::size_t k_window_kinds = 2;
+
+template <class Body>
+void for_each_bit(std::span<const std::uint64_t> mask, const Body& body)
+{
+    for (std::size_t w = 0; w < mask.size(); ++w)
+        for (std::uint64_t word = mask[w]; word != 0; word &= word - 1)
+            body(64 * w + static_cast<std::size_t>(std::countr_zero(word)));
+}
+
+inline bool has(std::span<const std::uint64_t> mask, std::size_t leaf)
+{
+    return (mask[leaf / 64] >> (leaf % 64) & 1) != 0;
+}
+
+// Calls body(word, bits) for the words of a mask with some leaves in a row.
+template <class Body>
+void for_each_word(std::size_t first, std::size_t count, const Body& body)
+{
+    for (std::size_t at = first; at < first + count;) {
+        const std::size_t bits = std::min(64 - at % 64, first + count - at);
+        body(at / 64, (bits < 64 ? (std::uint64_t{1} << bits) - 1 : ~std::uint64_t{0}) << (at % 64));
+        at += bits;
+    }
+}
+
+// The arguments of one call.
+struct CellVisibility::Query {
+    Scratch& scratch;
+    std::span<const visibility::ShadowPoint> points;
+    std::span<const std::uint32_t> asked;
+    std::span<const Guides> guides;
+    SeenCells& seen;
+
+    std::size_t count() const { return asked.size(); }
+    const visibility::ShadowPoint& point(std::size_t k) const { return points[asked[k]]; }
+    bool coarse(std::size_t k) const { return !guides.empty() && guides[k].coarse; }
+    int pass(std::size_t k) const { return guides.empty() ? 0 : guides[k].pass; }
+    std::span<std::uint64_t> of(std::vector<std::uint64_t>& masks, std::size_t k) const
+    {
+        return {masks.data() + k * seen.words, seen.words};
+    }
+};
+
+}   // namespace gnomon::environment_light
