@@ -34,8 +34,9 @@ void expect_parts_equal_one_run(const std::vector<std::string>& options, int chu
         ASSERT_EQ(outcome.code, 0) << outcome.err;
         const auto document = outcome.json();
         EXPECT_EQ(document["isa"], "auto");
-        if (const auto set = variables.find("GNOMON_ISA"); set != variables.end())
+        if (const auto set = variables.find("GNOMON_ISA"); set != variables.end()) {
             EXPECT_EQ(document["instruction_set"], set->second) << "the limit has no effect";
+        }
     };
     make("one.mp4", {"--isa", "auto"}, {});
     for (int i = 1; i <= chunks; ++i)
@@ -96,8 +97,9 @@ TEST(SameBytes, NativeFramesOfAnotherInstructionSetAreRenderedAgain)
 
     const Outcome again = run(arguments("a.mp4", {"--resume", "--json"}), last);
     ASSERT_EQ(again.code, 0) << again.err;
-    EXPECT_NE(again.err.find("rendered with the instruction set native-" + sets.front() + ", not native-" + sets.back()),
-              std::string::npos)
+    EXPECT_NE(
+        again.err.find("rendered with the instruction set native-" + sets.front() + ", not native-" + sets.back()),
+        std::string::npos)
         << again.err;
     for (const auto& frame : again.json()["frames"]) EXPECT_GT(frame["ms"], 0) << "kept: " << frame;
     EXPECT_EQ(bytes_of(folder / "a.mp4"), bytes_of(folder / "whole.mp4"));

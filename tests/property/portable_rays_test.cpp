@@ -50,8 +50,10 @@ TEST(PortableRays, EqualDistancesAreThoseOfTheLastObject)
     const ray::RayQueue queue = random_rays(3, 2000, 4);
     const Answers answers = trace(rays, queue);
     EXPECT_GT(count_hits(answers), 100u);
-    for (const ray::Hit& hit : answers.both)
-        if (hit.object != scene::none) EXPECT_EQ(hit.object, 3u);
+    for (const ray::Hit& hit : answers.both) {
+        if (hit.object == scene::none) continue;
+        EXPECT_EQ(hit.object, 3u);
+    }
 }
 
 TEST(PortableRays, EmbreesPacketsStillEqualItsSingleRays)
