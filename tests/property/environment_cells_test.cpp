@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Cells of directions, their light in closed form, and proofs of their visibility among random triangles.
+// LONG: all share the random worlds, and the rays that proofs are compared with.
 #include <gtest/gtest.h>
 
 #include <bit>

@@ -10,6 +10,7 @@
 //
 // The series are those of Taylor, after a reduction of the argument. Special values are those of C99, Annex F, but
 // errno and floating-point exceptions are not set.
+// LONG: one function after the other; they share series and reductions.
 #include <cmath>
 #include <limits>
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // This file is compiled once for each instruction set: Highway includes it again and again.
+// LONG: boxes, triangles and both traversals stay in registers together, and in one dispatch.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "ray/portable/kernels.cpp"
 #include <hwy/foreach_target.h>   // first of all
