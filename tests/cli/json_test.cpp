@@ -26,7 +26,10 @@ TEST(Json, KeysOfRender)
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const json document = outcome.json();
     EXPECT_EQ(keys_of(document),
-              (Keys{"device", "frames", "height", "peak_memory_bytes", "renderer", "scene", "version", "width"}));
+              (Keys{"device", "frames", "height", "instruction_set", "isa", "peak_memory_bytes", "renderer", "scene",
+                    "version", "width"}));
+    EXPECT_EQ(document["isa"], "auto");
+    EXPECT_FALSE(document["instruction_set"].get<std::string>().empty());
     EXPECT_EQ(document["scene"], "builtin:cornell");
     EXPECT_EQ(document["renderer"], "trace");
     EXPECT_EQ(document["width"], 48);
