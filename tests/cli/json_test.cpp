@@ -25,9 +25,8 @@ TEST(Json, KeysOfRender)
         run({"render", "builtin:cornell", "-o", out, "--frames", "2-4", "--size", "48x32", "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const json document = outcome.json();
-    EXPECT_EQ(keys_of(document),
-              (Keys{"device", "frames", "height", "instruction_set", "isa", "peak_memory_bytes", "renderer", "scene",
-                    "version", "width"}));
+    EXPECT_EQ(keys_of(document), (Keys{"device", "frames", "height", "instruction_set", "isa", "peak_memory_bytes",
+                                       "renderer", "scene", "version", "width"}));
     EXPECT_EQ(document["isa"], "auto");
     EXPECT_FALSE(document["instruction_set"].get<std::string>().empty());
     EXPECT_EQ(document["scene"], "builtin:cornell");
