@@ -20,7 +20,7 @@ std::vector<Bytes> config_seeds()
 {
     return {bytes_of(std::string("\0", 1) + R"({"out":"a.png","size":"64x48","frames":"1-3","threads":2,"json":true})"),
             bytes_of(std::string("\0", 1) + R"({"light":["point 0 1 2 3 3 3"],"exposure":"auto","resume":false})"),
-            bytes_of("\x06"
+            bytes_of("\x07"
                      R"({"method":["paper","certified"],"no-counts":true,"lights":4,"json":"a.json"})"),
             bytes_of("\x01{}")};
 }
