@@ -12,15 +12,16 @@
 namespace gnomon::test {
 
 struct World {
-    explicit World(scene::Scene made, int frame = 1, int threads = 1)
+    explicit World(scene::Scene made, int frame = 1, int threads = 1, Arithmetic arithmetic = Arithmetic::portable)
         : scene(std::make_shared<const scene::Scene>(std::move(made))),
           state(scene, scene->timeline.time_of(frame)),
-          rays(state),
+          rays(state, MemoryLimit{}, arithmetic),
           tasks(threads)
     {
     }
-    explicit World(const std::string& builtin, int frame = 1, int threads = 1)
-        : World(scene::make_builtin(builtin), frame, threads)
+    explicit World(const std::string& builtin, int frame = 1, int threads = 1,
+                   Arithmetic arithmetic = Arithmetic::portable)
+        : World(scene::make_builtin(builtin), frame, threads, arithmetic)
     {
     }
     void go(int frame)
