@@ -16,7 +16,7 @@ constexpr std::array<float, 3> k_divided_above = {1 / 64.0f, 1 / 32.0f, 1 / 8.0f
 constexpr float k_much = 1 / 4.0f, k_finest = 1 / 2.0f;   // of the light above; of the fractions
 // Points that guide no others, on small triangles: steps do not show there, and every ray is their own.
 constexpr float k_alone = 16;
-// A point that sees less than this fraction of the light above it looks for windows that are smaller than a cell.
+// A point that sees less than this fraction of the light above it looks for windows that scouts missed.
 constexpr float k_dark = 1 / 16.0f;
 // Where points in the dark see the sky in at most so many families together, it may be through less than a cell.
 constexpr std::ptrdiff_t k_small_window = 3;

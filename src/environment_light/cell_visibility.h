@@ -13,9 +13,8 @@
 //
 // Where a point sees little of the sky, as through a window, a cell is a step that shows. The cells at the rim of what
 // such a point sees are divided: it sees a share of them (PartialCell), by up to 64 rays in directions within the cell
-// (part_directions.h), as many as the cell's light asks for beside that of all visible cells. A point in the dark looks
-// for windows that are smaller than a cell in the same way. Between guides whose shares are alike, they are
-// interpolated.
+// (part_directions.h), as many as the cell's light asks for beside that of all visible cells. Points in the dark look
+// for windows that scouts missed. Between guides whose shares are alike, they are interpolated.
 //
 // Where points of a smooth surface lie close together, as in an image, most cells are visible from all of them, or from
 // none. A point may therefore have guides around it: rays then go to those cells alone on which the guides do not

@@ -55,7 +55,6 @@ class PartDirections {
     /// @param normal  unit
     /// @param least   sine above it
     std::uint64_t above(std::size_t leaf, const glm::vec3& normal, float least) const;
-    std::size_t bytes() const { return directions_.size() * sizeof(glm::vec3); }
 
  private:
     std::vector<glm::vec3> directions_;
