@@ -11,13 +11,7 @@ source_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 skip() { echo "package: skipped: $*"; exit 77; }
 fail() { echo "package: FAILED: $*"; exit 1; }
 
-# The first Debian mirror of this machine's apt, in either of its two file formats.
-debian_mirror() {
-    { cat /etc/apt/sources.list.d/*.sources 2>/dev/null | sed -n 's/^URIs: *\([^ ]*\).*/\1/p'
-      cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list 2>/dev/null |
-          sed -n 's/^deb  *\(\[[^]]*\]  *\)\?\([^ ]*\)  *bookworm .*/\2/p'; } |
-        grep -v -e security | grep '/debian/*$' | head -n 1
-}
+source "$source_folder/tests/full/debian_mirror.sh"
 
 # This part runs in a mount namespace, so that mounts end with it in all cases.
 in_namespace() {
