@@ -47,6 +47,7 @@ class Run {
         rays_.keep_one_tree();
         CertifiedOptions certified_options;
         certified_options.pixels_per_part = options.pixels_per_part;
+        certified_options.certificates.left_out = options.left_out;
         if (options.certified) {
             culling_ = std::make_unique<CertifiedCulling>(state_, rays_, certified_options);
             for (int t = 0; t < tasks_.threads(); ++t) batches_.push_back(culling_->make_batch());
@@ -270,6 +271,7 @@ class Run {
         record.certified.rays = record.off.rays;
         record.certified.dynamic_only = c.dynamic_only;
         record.certified.skipped = record.off.rays - c.traced - c.dynamic_only;
+        record.certified.traced = c.traced;
         record.certified.partial = c.partial;
         record.certified.certificates = c.certificates;
         record.certified.certified = c.certified;

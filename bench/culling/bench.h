@@ -18,6 +18,7 @@
 #include "ray/kdtree/kdtree.h"
 #include "scene/scene.h"
 #include "shadow_culling/nah2009/paper_culling.h"
+#include "visibility/checks.h"
 
 namespace gnomon::bench {
 
@@ -45,6 +46,7 @@ struct CullingBenchOptions {
     bool counts = true;                    // count nodes and triangle tests on the kd-tree; slow, excluded from times
     bool images = false;                   // keep images of the frame with the most wrong results
     shadow_culling::PaperOptions paper_options;
+    visibility::LeftOut left_out;         // checks of the certified method, for tests
     std::vector<PaperReading> readings;   // besides `paper`
     ray::KdLayout layout = ray::KdLayout::separate;
 };
@@ -71,8 +73,8 @@ struct CullingFrame {
     } paper;
     std::vector<Paper> readings;   // as CullingBenchOptions::readings
     struct Certified {
-        std::uint64_t rays = 0, skipped = 0, dynamic_only = 0, partial = 0, certificates = 0, certified = 0, nodes = 0,
-                      tests = 0, wrong = 0;
+        std::uint64_t rays = 0, skipped = 0, dynamic_only = 0, traced = 0, partial = 0, certificates = 0, certified = 0,
+                      nodes = 0, tests = 0, wrong = 0;
         double ms = 0, wall_ms = 0;
         double judge_ms = 0;   // wall time for proving certificates, included in wall_ms
     } certified;

@@ -20,6 +20,17 @@ namespace {
     if (std::system("command -v Xvfb >/dev/null 2>&1 && command -v xdotool >/dev/null 2>&1") != 0) \
     GTEST_SKIP() << "no Xvfb or no xdotool on this machine: install the Debian packages xvfb and xdotool"
 
+// Skips the test if no device of this machine can rasterise. With one, exit code 4 of the program is a fault.
+#define NEED_DEVICE() \
+    if (!has_device()) GTEST_SKIP() << "no suitable Vulkan device on this machine"
+
+bool has_device()
+{
+    const nlohmann::json vulkan = run({"devices", "--json"}).json()["vulkan"];
+    return std::ranges::any_of(vulkan["devices"],
+                               [](const nlohmann::json& device) { return device["suitable"] == true; });
+}
+
 struct Seen {
     int code = -1;
     nlohmann::json json;
@@ -76,11 +87,11 @@ TEST(View, ScreenshotEqualsTheRenderedImageAfterAnyInteraction)
 TEST(View, ShowsTheRasterisedFrame)
 {
     NEED_WINDOWS();
+    NEED_DEVICE();
     const ScratchFolder folder;
     const Seen seen = drive(folder, "builtin:cornell", "--renderer raster",
                             "sleep 2\nmousemove 250 200\nclick 1\nkey c\nkey Home\nsleep 0.5\nkey p\n"
                             "await gnomon-0001.png\nkey Escape\n");
-    if (seen.code == 4) GTEST_SKIP() << seen.err;
     ASSERT_EQ(seen.code, 0) << seen.err;
     const Outcome rendered = run({"render", "builtin:cornell", "--frame", "1", "--size", "320x240", "--renderer",
                                   "raster", "-o", folder / "render.png"});
@@ -92,12 +103,12 @@ TEST(View, ShowsTheRasterisedFrame)
 TEST(View, ShowsRedrawnTexels)
 {
     NEED_WINDOWS();
+    NEED_DEVICE();
     const ScratchFolder folder;
     const Seen seen =
         drive(folder, "builtin:cornell", "--renderer raster --overlay redrawn",
               "sleep 1\nkey Home\nkey p\nawait gnomon-0001.png\nkey Right\nkey p\nawait gnomon-0002.png\nkey "
               "o\nkey p\nawait gnomon-0003.png\nkey Escape\n");
-    if (seen.code == 4) GTEST_SKIP() << seen.err;
     ASSERT_EQ(seen.code, 0) << seen.err;
     const Outcome rendered = run({"render", "builtin:cornell", "--frames", "1-2", "--size", "320x240", "--renderer",
                                   "raster", "--overlay", "redrawn", "-o", folder / "redrawn-{frame:04}.png"});

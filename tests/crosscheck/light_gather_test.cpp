@@ -450,6 +450,19 @@ TEST(LightGather, AgreesWithAnAnalyticFormFactor)
         const glm::vec3 e = gather_one(lights, {0, static_cast<float>(height), 0}, {0, -1, 0});
         EXPECT_NEAR(static_cast<double>(e.x) / factor, 1, 2e-3) << height;
     }
+    // A receiver that is tilted and stands aside: Lambert's sum over the edges. All of the light is above its horizon.
+    const glm::dvec3 corners[] = {{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}};
+    for (const double height : {1.5, 3.0}) {
+        const glm::dvec3 at(0.3, height, 0.2), normal = glm::normalize(glm::dvec3(0.5, -1, 0.2));
+        double sum = 0;
+        for (int k = 0; k < 4; ++k) {
+            const glm::dvec3 a = glm::normalize(corners[k] - at), b = glm::normalize(corners[(k + 1) % 4] - at);
+            ASSERT_GT(glm::dot(a, normal), 0);
+            sum += std::acos(glm::dot(a, b)) * glm::dot(normal, glm::normalize(glm::cross(a, b)));
+        }
+        const glm::vec3 e = gather_one(lights, glm::vec3(at), glm::vec3(normal));
+        EXPECT_NEAR(static_cast<double>(e.x) / (std::abs(sum) / (2 * k_pi)), 1, 5e-3) << height;
+    }
 }
 
 }   // namespace

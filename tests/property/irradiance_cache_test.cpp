@@ -220,6 +220,22 @@ TEST(IrradianceCache, NoDarkPixelsAtTheFootOfWalls)
     EXPECT_EQ(dark, 0);
 }
 
+// A node's flux is that of its children, summed in their order, so that none is lost or old.
+void expect_sums_of_children(const LightTree& tree, int frame)
+{
+    for (const LightTree::Flux* flux : {&tree.flux(), &tree.static_flux()}) {
+        std::size_t wrong = 0, inner = 0;
+        for (irradiance_cache::NodeId id = 0; id < tree.first_patch(); ++id) {
+            if (tree.children(id) == scene::none) continue;
+            glm::vec3 sum(0);
+            for (irradiance_cache::NodeId k = 0; k < 4; ++k) sum += flux->at(4 * tree.children(id) + k);
+            wrong += sum != flux->at(id), ++inner;
+        }
+        EXPECT_EQ(wrong, 0u) << "frame " << frame;
+        EXPECT_GT(inner, 1000u);
+    }
+}
+
 TEST(LightTree, UpdatedTreeEqualsNewTree)
 {
     World world("cornell", 1, 2);
@@ -229,6 +245,7 @@ TEST(LightTree, UpdatedTreeEqualsNewTree)
         world.go(frame);
         updated.update(world.state, world.rays, world.tasks);
         dirty += updated.dirty_leaves();
+        expect_sums_of_children(updated, frame);
         const LightTree fresh(world.state, world.rays, {}, world.tasks);
         ASSERT_EQ(updated.size(), fresh.size());
         EXPECT_EQ(updated.flux().r, fresh.flux().r) << "frame " << frame;

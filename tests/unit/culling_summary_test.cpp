@@ -102,6 +102,41 @@ TEST(CullingBench, ReflectedHitsAreTestedAndNothingIsWrong)
     EXPECT_GT(deep.bytes_per_triangle_light, 0);
 }
 
+// If the certified method skips a check, the bench counts the wrong results.
+TEST(CullingBench, CountsWrongResultsIfAProofLacksACheck)
+{
+    const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("kinetic"));
+    CullingBenchOptions options;
+    options.frames = {20, 22};
+    options.size = {96, 54};
+    options.counts = options.paper = false;
+    const CullingBenchResult complete = bench_culling(scene, options);
+    EXPECT_EQ(complete.wrong_total, 0u);
+    options.left_out = visibility::LeftOut(visibility::Check::nothing_in_shaft);
+    const CullingBenchResult lacking = bench_culling(scene, options);
+    EXPECT_EQ(lacking.frames[0].certified.wrong, 0u) << "nothing is remembered in the first frame";
+    EXPECT_GT(lacking.frames[1].certified.wrong, 10u);
+    EXPECT_GT(lacking.frames[2].certified.wrong, 10u);
+    EXPECT_EQ(lacking.wrong_total, lacking.frames[1].certified.wrong + lacking.frames[2].certified.wrong);
+}
+
+TEST(CullingBench, EveryRayIsLeftOutOrTraced)
+{
+    const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("kinetic"));
+    CullingBenchOptions options;
+    options.frames = {60, 62};
+    options.size = {96, 54};
+    options.counts = options.paper = false;
+    const CullingBenchResult result = bench_culling(scene, options);
+    EXPECT_EQ(result.frames[0].certified.skipped, 0u) << "nothing is remembered in the first frame";
+    for (std::size_t f = 0; f < result.frames.size(); ++f) {
+        const auto& counted = result.frames[f].certified;
+        EXPECT_EQ(counted.skipped + counted.dynamic_only + counted.traced, counted.rays) << f;
+        EXPECT_EQ(counted.dynamic_only > 0, f > 0) << f;
+        EXPECT_GE(counted.traced, counted.partial) << f;
+    }
+}
+
 TEST(CullingBench, EveryMethodCastsNoRaysOutsideASpotsCone)
 {
     // The box of builtin:cornell is lit by a spot light that reaches half of what the camera sees.

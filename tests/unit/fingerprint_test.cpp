@@ -9,6 +9,7 @@
 
 #include "scene/environment.h"
 #include "scene/keyframe_track.h"
+#include "scene/material_layers.h"
 #include "scene/value_tracks.h"
 #include "scene_helpers.h"
 #include "video/frames_folder.h"
@@ -140,6 +141,29 @@ const std::map<std::string, Edit>& edits()
         {"the base colour", [](scene::Scene& s) { s.materials[0].base_color.y = 0.5f; }},
         {"the alpha mode", [](scene::Scene& s) { s.materials[0].alpha_mode = scene::AlphaMode::mask; }},
         {"the alpha cutoff", [](scene::Scene& s) { s.materials[0].alpha_cutoff = 0.6f; }},
+        {"alpha", [](scene::Scene& s) { s.materials[0].alpha = 0.6f; }},
+        {"emission", [](scene::Scene& s) { s.materials[0].emissive.z = 0.5f; }},
+        {"the ambient colour", [](scene::Scene& s) { s.materials[0].ambient.z = 0.5f; }},
+        {"the specular colour", [](scene::Scene& s) { s.materials[0].specular.z = 0.5f; }},
+        {"metallic", [](scene::Scene& s) { s.materials[0].metallic = 0.3f; }},
+        {"roughness", [](scene::Scene& s) { s.materials[0].roughness = 0.3f; }},
+        {"the strength of occlusion", [](scene::Scene& s) { s.materials[0].occlusion_strength = 0.3f; }},
+        {"transmission", [](scene::Scene& s) { s.materials[0].transmission = 0.3f; }},
+        {"shine", [](scene::Scene& s) { s.materials[0].shine = 20; }},
+        {"transmittance", [](scene::Scene& s) { s.materials[0].transmittance = 0.3f; }},
+        {"the index of refraction", [](scene::Scene& s) { s.materials[0].ior = 1.3f; }},
+        {"an outline", [](scene::Scene& s) { s.materials[0].outline = true; }},
+        {"a catcher of shadows", [](scene::Scene& s) { s.materials[0].catches_shadows = true; }},
+        {"a clear coat",
+         [](scene::Scene& s) {
+             scene::MaterialLayers layers;
+             layers.clearcoat = 0.5f;
+             s.materials[0].layers = std::make_shared<scene::MaterialLayers>(layers);
+         }},
+        {"a scale of a texture", [](scene::Scene& s) { s.materials[0].base_color_texture.scale.y = 2; }},
+        {"a map of roughness", [](scene::Scene& s) { s.materials[0].metallic_roughness_texture.texture = 0; }},
+        {"a map of occlusion", [](scene::Scene& s) { s.materials[0].occlusion_texture.texture = 0; }},
+        {"a map of emission", [](scene::Scene& s) { s.materials[0].emissive_texture.texture = 0; }},
         {"the depth of a normal map", [](scene::Scene& s) { s.materials[0].normal_scale = 2; }},
         {"a normal map", [](scene::Scene& s) { s.materials[0].normal_texture.texture = 0; }},
         {"where a texture lies", [](scene::Scene& s) { s.materials[0].base_color_texture.offset.x = 0.5f; }},
@@ -149,6 +173,25 @@ const std::map<std::string, Edit>& edits()
         {"a texture's edges", [](scene::Scene& s) { s.textures.edit(0) = texture(1, {.wrap_u = scene::Wrap::clamp}); }},
         {"a texture's filter", [](scene::Scene& s) { s.textures.edit(0) = texture(1, {.mipmaps = false}); }},
         {"a light's colour", [](scene::Scene& s) { s.lights[0].color.x = 2; }},
+        {"a light's type", [](scene::Scene& s) { s.lights[0].type = scene::LightType::spot; }},
+        {"a light's falloff", [](scene::Scene& s) { s.lights[0].falloff = scene::Falloff::constant; }},
+        {"a light's inner angle", [](scene::Scene& s) { s.lights[0].inner_angle = 0.1f; }},
+        {"a light's outer angle", [](scene::Scene& s) { s.lights[0].outer_angle = 0.3f; }},
+        {"a light's range", [](scene::Scene& s) { s.lights[0].range = 3; }},
+        {"a spot's angle on its way",
+         [](scene::Scene& s) {
+             auto track = std::make_shared<scene::LightTrack>();
+             track->outer_angle = weights(0.5);
+             s.lights[0].track = track;
+         }},
+        {"a light's range on its way",
+         [](scene::Scene& s) {
+             auto track = std::make_shared<scene::LightTrack>();
+             track->range = weights(0.5);
+             s.lights[0].track = track;
+         }},
+        {"the ambient light", [](scene::Scene& s) { s.ambient.x = 0.5f; }},
+        {"the background's colour", [](scene::Scene& s) { s.background.color.x = 0.5f; }},
         {"a light's intensity on its way",
          [](scene::Scene& s) {
              auto track = std::make_shared<scene::LightTrack>();
@@ -176,6 +219,8 @@ const std::map<std::string, Edit>& edits()
         {"the surroundings", [](scene::Scene& s) { s.background.environment = surroundings(2); }},
         {"a lens", [](scene::Scene& s) { s.cameras[0].vertical_fov = 0.7; }},
         {"a camera's node", [](scene::Scene& s) { s.cameras[0].node = 2; }},
+        {"a camera's far plane", [](scene::Scene& s) { s.cameras[0].far = 50; }},
+        {"a camera without perspective", [](scene::Scene& s) { s.cameras[0].orthographic_height = 2; }},
         {"a camera's near plane", [](scene::Scene& s) { s.cameras[0].near = 0.5; }},
         {"a camera's name", [](scene::Scene& s) { s.cameras[0].name = "other"; }},
     };
@@ -192,6 +237,80 @@ TEST(Fingerprint, ChangesWithEveryEdit)
         const auto [place, fresh] = found.emplace(video::fingerprint_of(api::public_scene(edited), {}), name);
         EXPECT_TRUE(fresh) << name << " as " << place->second;
     }
+}
+
+// Options that each change the image of some scene.
+const std::map<std::string, std::function<void(RenderOptions&)>>& choices()
+{
+    static const std::map<std::string, std::function<void(RenderOptions&)>> all{
+        {"nothing", [](RenderOptions&) {}},
+        {"width", [](RenderOptions& o) { o.size.width = 64; }},
+        {"height", [](RenderOptions& o) { o.size.height = 64; }},
+        {"camera", [](RenderOptions& o) { o.camera = "1"; }},
+        {"turntable", [](RenderOptions& o) { o.turntable_seconds = 2; }},
+        {"renderer", [](RenderOptions& o) { o.renderer = RenderMethod::raster; }},
+        {"max_depth", [](RenderOptions& o) { o.max_depth = 3; }},
+        {"samples", [](RenderOptions& o) { o.samples = 4; }},
+        {"exposure", [](RenderOptions& o) { o.exposure = 1; }},
+        {"exposure of none", [](RenderOptions& o) { o.exposure = 0; }},
+        {"tonemap", [](RenderOptions& o) { o.tonemap = ToneMap::agx; }},
+        {"background", [](RenderOptions& o) { o.background = BackgroundKind::color; }},
+        {"background_color", [](RenderOptions& o) { o.background_color[2] = 0.5f; }},
+        {"shadow_culling", [](RenderOptions& o) { o.shadow_culling = ShadowCulling::paper; }},
+        {"as_printed", [](RenderOptions& o) { o.as_printed = true; }},
+        {"indirect off", [](RenderOptions& o) { o.indirect = Indirect::off; }},
+        {"indirect quadtree", [](RenderOptions& o) { o.indirect = Indirect::quadtree; }},
+        {"shadow_textures", [](RenderOptions& o) { o.shadow_textures = ShadowTextures::depth; }},
+        {"shadow_filter", [](RenderOptions& o) { o.shadow_filter = 3; }},
+        {"sun_size", [](RenderOptions& o) { o.sun_size = 0.5; }},
+        {"bounces", [](RenderOptions& o) { o.bounces = 1; }},
+        {"reference", [](RenderOptions& o) { o.reference = ReferenceLightOptions{}; }},
+        {"reference spp", [](RenderOptions& o) { o.reference = ReferenceLightOptions{.spp = 7}; }},
+        {"reference bounces", [](RenderOptions& o) { o.reference = ReferenceLightOptions{.bounces = 3}; }},
+        {"reference seed", [](RenderOptions& o) { o.reference = ReferenceLightOptions{.seed = 5}; }},
+        {"rsm_samples", [](RenderOptions& o) { o.rsm_samples = 100; }},
+        {"indirect_level", [](RenderOptions& o) { o.indirect_level = 4; }},
+        {"indirect_at_every_pixel", [](RenderOptions& o) { o.indirect_at_every_pixel = true; }},
+        {"indirect_on", [](RenderOptions& o) { o.indirect_on = IndirectOn::cpu; }},
+        {"depth_threshold", [](RenderOptions& o) { o.depth_threshold = 0.1; }},
+        {"normal_threshold", [](RenderOptions& o) { o.normal_threshold = 0.8; }},
+        {"validity_margin", [](RenderOptions& o) { o.validity_margin = 0.5; }},
+        {"separate_trees", [](RenderOptions& o) { o.separate_trees = true; }},
+        {"cluster_shadows", [](RenderOptions& o) { o.cluster_shadows = true; }},
+        {"accelerator", [](RenderOptions& o) { o.accelerator = Accelerator::kdtree; }},
+        {"ids", [](RenderOptions& o) { o.ids = true; }},
+        {"motion", [](RenderOptions& o) { o.motion = true; }},
+        {"overlay", [](RenderOptions& o) { o.overlay = Overlay::shadow_states; }},
+        {"overlay_light", [](RenderOptions& o) { o.overlay_light = 0; }},
+    };
+    return all;
+}
+
+TEST(Fingerprint, ChangesWithEveryOptionThatChangesImages)
+{
+    auto made = std::make_shared<scene::Scene>(everything());
+    made->finish();
+    const Scene scene = api::public_scene(made);
+    std::map<std::uint64_t, std::string> found;
+    for (const auto& [name, choose] : choices()) {
+        RenderOptions options;
+        choose(options);
+        const auto [place, fresh] = found.emplace(video::fingerprint_of(scene, options), name);
+        EXPECT_TRUE(fresh) << name << " as " << place->second;
+    }
+}
+
+TEST(Fingerprint, IgnoresOptionsThatChangeNoImage)
+{
+    auto made = std::make_shared<scene::Scene>(everything());
+    made->finish();
+    const Scene scene = api::public_scene(made);
+    RenderOptions options;
+    const std::uint64_t plain = video::fingerprint_of(scene, options);
+    options.threads = 3;
+    options.indirect_memory = 4;
+    options.shadow_culling = ShadowCulling::off;
+    EXPECT_EQ(video::fingerprint_of(scene, options), plain);
 }
 
 TEST(Fingerprint, IgnoresNames)

@@ -49,6 +49,11 @@ TEST(KeyframeTrack, CubicSplinePassesKeysWithTheirTangents)
                               {{9, 9, 9}, {0, 0, 0}, {0, 0, 0}, {12, 0, 0}, {8, 0, 0}, {9, 9, 9}});
     for (const double t : {0.0, 0.5, 1.0, 1.7, 2.0}) EXPECT_NEAR(track.parts(t).translation.x, t * t * t, 1e-12) << t;
     EXPECT_EQ(track.parts(3).translation.x, 8);
+    // Neither tangent is 0, and the span is not 1: x = t^3 - 2 t on 1 to 4.
+    const auto both = moving(KeyInterpolation::cubic_spline, {1, 4},
+                             {{9, 9, 9}, {-1, 0, 0}, {1, 0, 0}, {46, 0, 0}, {56, 0, 0}, {9, 9, 9}});
+    for (const double t : {1.0, 1.5, 2.0, 3.7, 4.0})
+        EXPECT_NEAR(both.parts(t).translation.x, t * t * t - 2 * t, 1e-12) << t;
 }
 
 TEST(KeyframeTrack, RotationsTakeTheShorterPathAtConstantSpeed)
@@ -128,6 +133,10 @@ TEST(KeyframeWeights, InterpolatesLinearAndSpline)
     spline.evaluate(0.5, w);
     EXPECT_NEAR(w[0], 0.125f, 1e-7);
     EXPECT_EQ(w[1], 5.0f);
+    // One target, t^3 - 2 t on 1 to 4.
+    const KeyframeWeights both(KeyInterpolation::cubic_spline, {1, 4}, {9, -1, 1, 46, 56, 9}, 1);
+    both.evaluate(2, w);
+    EXPECT_NEAR(w[0], 4, 1e-6);
 }
 
 }   // namespace

@@ -48,13 +48,32 @@ TEST(ToneMap, NeutralFollowsItsFormulaAboveTheShoulder)
     EXPECT_NEAR(tone_map(ToneMap::neutral, glm::vec3(2)).x, 1 - 0.0576f / 1.44f, 1e-6f);
 }
 
-TEST(ToneMap, FitsEqualKnownValues)
+// Greys, muted and saturated colours, dark and far too bright, computed in double precision from the published formulas
+// (Khronos PBR Neutral; AgX's fit by Wrensch; ACES' fit by Hill).
+TEST(ToneMap, EqualsTabulatedColours)
 {
-    // Hill's rational function at 0.18: (0.18 * 0.2045786 - 0.000090537) / (0.18 * (0.983729 * 0.18 + 0.432951) +
-    // 0.238081)
-    EXPECT_NEAR(tone_map(ToneMap::aces, glm::vec3(0.18f)).y, 0.10557f, 2e-4f);
-    // AgX maps middle grey to middle grey, within its look.
-    EXPECT_NEAR(tone_map(ToneMap::agx, glm::vec3(0.18f)).y, 0.18f, 0.04f);
+    struct Row {
+        glm::vec3 linear, neutral, agx, aces;
+    };
+    constexpr Row k_rows[] = {
+        {{0.18f, 0.18f, 0.18f}, {0.14f, 0.14f, 0.14f}, {0.21447f, 0.21453f, 0.21454f}, {0.10559f, 0.10559f, 0.10559f}},
+        {{0.5f, 0.3f, 0.2f}, {0.46f, 0.26f, 0.16f}, {0.43375f, 0.31392f, 0.23827f}, {0.36772f, 0.21701f, 0.13617f}},
+        {{2, 0.5f, 0.1f}, {0.96f, 0.32114f, 0.15077f}, {0.80729f, 0.44962f, 0.21069f}, {0.9015f, 0.41869f, 0.105f}},
+        {{0.05f, 0.4f, 8},
+         {0.50824f, 0.52955f, 0.99226f},
+         {0.46599f, 0.56235f, 0.9901f},
+         {0.39692f, 0.36087f, 0.99737f}},
+        {{0.01f, 0.02f, 0.03f},
+         {0.00063f, 0.01063f, 0.02062f},
+         {0.00651f, 0.01841f, 0.0328f},
+         {0.00108f, 0.00319f, 0.00572f}},
+        {{20, 15, 1}, {0.99704f, 0.93207f, 0.75017f}, {1, 1, 0.78706f}, {1, 0.98869f, 0.88306f}}};
+    for (const Row& row : k_rows)
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_NEAR(tone_map(ToneMap::neutral, row.linear)[c], row.neutral[c], 2e-5f) << row.linear[0] << c;
+            EXPECT_NEAR(tone_map(ToneMap::agx, row.linear)[c], row.agx[c], 2e-5f) << row.linear[0] << c;
+            EXPECT_NEAR(tone_map(ToneMap::aces, row.linear)[c], row.aces[c], 2e-5f) << row.linear[0] << c;
+        }
 }
 
 TEST(ToneMap, SurvivesNonFiniteColours)

@@ -387,7 +387,7 @@ TEST_F(Vulkan, MoreMemoryThanTheMachineHasIsAMissingError)
     VkMemoryRequirements needs{has_heaps.memoryHeaps[has_heaps.memoryTypes[0].heapIndex].size + 1, 256, 1};
     const vk::Access any = vk::Access::device;
     EXPECT_TRUE(has(thrown<MissingError>([&] { memory.take(needs, any, false, "wall"); }), "out of device memory"));
-    if (device_->info().kind != "software") return;
+    if (device_->info().kind != "software") GTEST_SKIP() << "only a software driver grants more than there is";
     needs.size = 1 << 30;
     const std::uint64_t machine =
         static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+// The default indirect light in absolute units, against the path tracer and closed forms. Tests that compare a cache
+// with one made anew cannot see an error that both have.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "aff_files.h"
+#include "api/scene_access.h"
+#include "gnomon/gnomon.h"
+#include "irradiance_cache/near_field/near_light.h"
+#include "irradiance_cache/points/sky_light.h"
+#include "world.h"
+
+namespace gnomon {
+namespace {
+
+constexpr double k_closeness = 0.03;   // of the energy
+
+// The mean of the layer of indirect light.
+double energy_of(const Scene& scene, int frame, RenderOptions options)
+{
+    options.layers = true;
+    const Frame image = Renderer(options).render(scene, frame);
+    const auto layer = std::ranges::find(image.layers, "indirect", &Layer::name);
+    double sum = 0;
+    for (const float value : layer->values()) sum += static_cast<double>(value);
+    return sum / static_cast<double>(layer->values().size());
+}
+
+void expect_true_energy(const Scene& scene, int frame, int bounces, int size, double closeness = k_closeness)
+{
+    RenderOptions options;
+    options.size = {size, size};
+    options.bounces = bounces;
+    options.max_depth = 0;
+    const double cached = energy_of(scene, frame, options);
+    options.reference = ReferenceLightOptions{.spp = 64, .bounces = bounces};
+    const double truth = energy_of(scene, frame, options);
+    ASSERT_GT(truth, 0);
+    EXPECT_NEAR(cached / truth, 1, closeness) << "frame " << frame << ", bounces " << bounces;
+    std::printf("frame %d, bounces %d: %.4f of the reference's energy\n", frame, bounces, cached / truth);
+}
+
+Material matte(const Vec3& color)
+{
+    Material material{.base_color = color, .roughness = 1, .ior = 1};
+    material.double_sided = true;
+    return material;
+}
+
+MeshId add_square(SceneBuilder& builder)
+{
+    const std::vector<Vec3> corners{{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0.5f, 0, 0.5f}, {-0.5f, 0, 0.5f}};
+    const std::vector<std::uint32_t> up{0, 2, 1, 0, 3, 2};
+    return builder.mesh({.positions = corners, .indices = up});
+}
+
+void add_camera(SceneBuilder& builder, const Vec3& eye, const Vec3& target)
+{
+    Camera camera;
+    camera.transform = Transform::look_at(eye, target);
+    camera.vertical_fov = 1;
+    builder.camera(camera);
+}
+
+void add_point_light(SceneBuilder& builder, const Vec3& place, float intensity)
+{
+    builder.light({.color = {intensity, intensity, intensity}},
+                  Transform::translation(static_cast<double>(place.x), static_cast<double>(place.y),
+                                         static_cast<double>(place.z)));
+}
+
+// The built-in box, whose ball is a dynamic object.
+TEST(TrueLight, OfTheCornellBoxIsThatOfTheReference)
+{
+    const Scene scene = load("builtin:cornell");
+    for (const int frame : {3, 20}) expect_true_energy(scene, frame, k_all_bounces, 128);
+    expect_true_energy(scene, 3, 1, 128);
+}
+
+// The box of builtin:cornell without its light, under a sky that is seen through the open side.
+TEST(TrueLight, OfTheSkyIsThatOfTheReference)
+{
+    scene::Scene made = scene::make_builtin("cornell");
+    made.lights.clear();
+    made.background.kind = scene::Background::Kind::sky;
+    made.finish();
+    const Scene scene = api::public_scene(std::make_shared<const scene::Scene>(std::move(made)));
+    expect_true_energy(scene, 3, 1, 64);
+    expect_true_energy(scene, 3, k_all_bounces, 64);
+}
+
+// Surfaces of AFF: their light has no falloff, and their colours are radiance per irradiance.
+TEST(TrueLight, OfAnAffSceneIsThatOfTheReference)
+{
+    const test::AffFolder folder;
+    std::string text = "v from 0 1 4.5 at 0 1 0 up 0 1 0 angle 50 hither 0.01 resolution 64 64\nl 0.4 1.6 1 .8 .8 .8\n";
+    const auto wall = [&](const char* color, const char* corners) {
+        text += fmt::format("f {} 1 0 0 0 1\np 4 {}\n", color, corners);
+    };
+    wall(".2 .2 .2", "-1 0 -1  -1 0 1.5  1 0 1.5  1 0 -1");
+    wall(".2 .2 .2", "-1 2 -1  1 2 -1  1 2 1.5  -1 2 1.5");
+    wall(".25 .2 .15", "-1 0 -1  1 0 -1  1 2 -1  -1 2 -1");
+    wall(".3 .05 .05", "-1 0 1.5  -1 0 -1  -1 2 -1  -1 2 1.5");
+    wall(".05 .3 .05", "1 0 -1  1 0 1.5  1 2 1.5  1 2 -1");
+    folder.write(folder.main(), text);
+    const Scene scene = load(folder.main().string());
+    expect_true_energy(scene, 1, 1, 128);
+    expect_true_energy(scene, 1, k_all_bounces, 128);
+}
+
+// A panel that may move bounces the light of a spot light onto a ceiling, which sees no other light.
+TEST(TrueLight, OfDynamicObjectsIsThatOfTheReference)
+{
+    for (const bool small : {false, true}) {
+        SceneBuilder builder;
+        const MeshId square = add_square(builder);
+        const MaterialId white = builder.material(matte({0.8f, 0.7f, 0.6f}));
+        const double side = small ? 0.3 : 0.6;
+        builder.instance(square, white, Transform::scaling(side, 1, side), {.mobility = Mobility::may_move});
+        builder.instance(square, white, Transform::translation(0, 2, 0) * Transform::scaling(3, 1, 3));
+        // A light that shines down only: it lights the panel alone.
+        Light spot{.color = {3, 3, 3}};
+        spot.type = LightType::spot;
+        spot.outer_angle = 1.2f, spot.inner_angle = 0;
+        builder.light(spot, Transform::look_at({0.1f, 1, 0}, {0.1f, 0, 0}, {1, 0, 0}));
+        add_camera(builder, {0, 0.6f, 0.2f}, {0, 2, 0});
+        expect_true_energy(builder.finish(), 1, 1, 48, 0.05);
+    }
+}
+
+// A small ball that may move, in front of everything and in nobody's way: its bounding sphere crosses many paths, which
+// it leaves open.
+TEST(TrueLight, IsNotLostAroundDynamicObjects)
+{
+    SceneBuilder builder;
+    const MeshId square = add_square(builder);
+    const MaterialId white = builder.material(matte({0.7f, 0.7f, 0.7f}));
+    const Transform large = Transform::scaling(4, 1, 4);
+    builder.instance(square, white, large);
+    builder.instance(square, white, Transform::translation(0, 2, 0) * large);
+    // A thin diagonal strip.
+    const MaterialId black = builder.material(matte({0, 0, 0}));
+    builder.instance(
+        square, black,
+        Transform::translation(0, 1, 0) * Transform::rotation({0, 0, 1}, 0.7) * Transform::scaling(2.4, 1, 0.01),
+        {.mobility = Mobility::may_move});
+    Light spot{.color = {3, 3, 3}};
+    spot.type = LightType::spot;
+    spot.outer_angle = 1.1f, spot.inner_angle = 0;
+    builder.light(spot, Transform::look_at({0, 1.9f, 0}, {0, 0, 0}, {1, 0, 0}));
+    add_camera(builder, {0, 0.3f, 0.2f}, {0, 2, 0});
+    expect_true_energy(builder.finish(), 1, 1, 48);
+}
+
+// A metal floor bounces no diffuse light; a half metallic one half of it.
+TEST(TrueLight, OfMetalsIsThatOfTheReference)
+{
+    SceneBuilder builder;
+    const MeshId square = add_square(builder);
+    Material half = matte({0.8f, 0.8f, 0.8f});
+    half.metallic = 0.5f;
+    builder.instance(square, builder.material(half), Transform::scaling(3, 1, 3));
+    builder.instance(square, builder.material(matte({0.8f, 0.8f, 0.8f})),
+                     Transform::translation(0, 2, 0) * Transform::scaling(3, 1, 3));
+    add_point_light(builder, {0, 1.9f, 0}, 3);
+    add_camera(builder, {0, 0.6f, 0.2f}, {0, 2, 0});
+    expect_true_energy(builder.finish(), 1, 1, 48, 0.05);
+}
+
+// A floor under an open sky.
+TEST(TrueLight, OfAnOpenSkyIsThatOfTheReference)
+{
+    SceneBuilder builder;
+    const MeshId square = add_square(builder);
+    builder.instance(square, builder.material(matte({0.5f, 0.5f, 0.5f})), Transform::scaling(4, 1, 4));
+    add_camera(builder, {0, 2, 0.2f}, {0, 0, 0});
+    scene::Scene scene = *api::scene_of(builder.finish());
+    scene.background.kind = scene::Background::Kind::sky;
+    scene.finish();
+    const Scene under = api::public_scene(std::make_shared<const scene::Scene>(std::move(scene)));
+    expect_true_energy(under, 1, 1, 48);
+}
+
+// The near field of a point that hovers over a lit plane: the mean over a cosine distribution of what is not far.
+TEST(NearLight, OfALitPlaneIsItsIntegral)
+{
+    constexpr float k_albedo = 0.6f, k_radius = 2;
+    SceneBuilder builder;
+    builder.instance(add_square(builder), builder.material(matte({k_albedo, k_albedo, k_albedo})),
+                     Transform::scaling(40, 1, 40));
+    Light sun{.color = {2, 2, 2}};
+    sun.type = LightType::directional;
+    builder.light(sun, Transform::look_at({0, 0, 0}, {1, -1, 0}));
+    add_camera(builder, {0, 2, 0.2f}, {0, 0, 0});
+    const auto scene = api::scene_of(builder.finish());
+    const scene::SceneState state(scene, 0);
+    const ray::RayScene rays(state);
+    irradiance_cache::NearOptions options;
+    options.radius = k_radius, options.rays = 1024;
+    const irradiance_cache::NearLight near(options);
+    irradiance_cache::NearLight::Scratch scratch;
+    for (const float height : {0.3f, 0.8f, 1.5f}) {
+        const glm::vec3 down(0, -1, 0);
+        const irradiance_cache::NearReceiver receiver{{0, height, 0}, down, down};
+        irradiance_cache::NearAnswer answer;
+        near.gather(state, rays, &receiver, 1, ray::Against::static_only, scratch, &answer);
+        double share = 0;
+        constexpr int k_steps = 10000;
+        for (int i = 0; i < k_steps; ++i) {
+            const double cosine = std::sqrt(1 - (i + 0.5) / k_steps);
+            share += (1 - static_cast<double>(irradiance_cache::far_fraction(
+                              static_cast<float>(static_cast<double>(height) / cosine), k_radius))) /
+                     k_steps;
+        }
+        const double truth = share * static_cast<double>(k_albedo) * 2 * std::sqrt(0.5);
+        EXPECT_NEAR(static_cast<double>(glm::dot(answer.light[0], down)) / truth, 1, 0.01) << height;
+        EXPECT_NEAR(answer.nearest, height, 0.05f * height);
+    }
+}
+
+}   // namespace
+}   // namespace gnomon
