@@ -18,11 +18,13 @@ the programs that were named, to find out whether another test finds it.
 Exit code 1: a mistake survived, or could not be judged. 2: the table does not fit the tree.
 """
 import argparse
+import fnmatch
 import hashlib
 import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -35,16 +37,26 @@ SOURCE = Path(__file__).resolve().parent.parent
 PROGRAMS = ("unit", "property", "crosscheck", "cli", "hostile")
 EXIT_SURVIVED, EXIT_TABLE = 1, 2
 KILLED, SURVIVED, NO_BUILD, SKIPPED = "killed", "survived", "did not build", "tests skipped"
-PATIENCE = 300  # seconds that the tests of one mistake may take
+# Seconds that a run of tests may take: of processor time, because the machine may be busy, and by the clock.
+PATIENCE, LONGEST = 600, 3600
 
 
 def say(text):
     print(text, flush=True)
 
 
+def tests_of(program):
+    """The names of a program's tests, as its sources have them."""
+    found = []
+    for file in sorted((SOURCE / "tests" / program).glob("*_test.cpp")):
+        found += [f"{suite}.{name}" for suite, name in
+                  re.findall(r"^TEST(?:_F|_P)?\((\w+),\s*(\w+)\)", file.read_text(), re.M)]
+    return found
+
+
 def faults_of_table():
-    """What of the table does not fit the tree: texts that do not occur exactly once, names that occur twice."""
-    faults, names = [], set()
+    """What of the table does not fit the tree: texts that do not occur exactly once, tests that do not exist."""
+    faults, names, tests = [], set(), {}
     texts = {}
     for mutation in MUTATIONS:
         if mutation.name in names:
@@ -53,9 +65,15 @@ def faults_of_table():
         if not mutation.tests:
             faults.append(f"{mutation.name}: names no test")
         for test in mutation.tests:
-            program = test.split(":", 1)[0]
-            if program not in PROGRAMS and program != "ctest":
+            program, *patterns = test.split(":")
+            if program == "ctest":
+                continue
+            if program not in PROGRAMS:
                 faults.append(f"{mutation.name}: no test program '{program}'")
+                continue
+            known = tests.setdefault(program, tests_of(program))
+            faults += [f"{mutation.name}: no test of {program} is named {pattern}" for pattern in patterns
+                       if not fnmatch.filter(known, pattern)]
         try:
             text = texts.setdefault(mutation.file, (SOURCE / mutation.file).read_text())
         except OSError:
@@ -135,8 +153,9 @@ class Copy:
             command = [str(self.build / "tests" / f"{program}_tests"), f"--gtest_filter={pattern}:-*Full.*",
                        "--gtest_fail_fast"]
         try:
-            done = subprocess.run(command, env=self.environment, capture_output=True, text=True, errors="replace",
-                                  timeout=PATIENCE, cwd=self.build)
+            limited = ["prlimit", f"--cpu={PATIENCE}", *command] if shutil.which("prlimit") else command
+            done = subprocess.run(limited, env=self.environment, capture_output=True, text=True, errors="replace",
+                                  timeout=LONGEST, cwd=self.build)
             code, output = done.returncode, done.stdout
         except subprocess.TimeoutExpired as late:
             code, output = None, (late.stdout or b"").decode(errors="replace")
@@ -146,7 +165,8 @@ class Copy:
         if code == 0:
             return None, passed
         failed = re.findall(r"^\[  FAILED  \] (\S+)", output, re.M) or re.findall(r"^\[ RUN      \] (\S+)", output, re.M)[-1:]
-        why = "" if code == 1 else " (too long)" if code is None else " (crash)"
+        too_long = code is None or code == -signal.SIGXCPU
+        why = "" if code == 1 else " (too long)" if too_long else " (crash)"
         return (failed[0].rstrip(",") if failed else test) + why, passed
 
 
@@ -167,7 +187,9 @@ def check_unchanged(copy, chosen):
         sys.exit("mutate: the tree does not build")
     faults = []
     for test in sorted({t for m in chosen for t in m.tests}):
+        began = time.monotonic()
         failed, passed = copy.run(test)
+        say(f"{'as it is':14} {test} ({passed} tests, {time.monotonic() - began:.0f} s)")
         if failed:
             faults.append(f"{test}: {failed} fails without any mistake")
         elif passed == 0:

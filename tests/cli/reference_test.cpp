@@ -102,8 +102,10 @@ TEST(BenchIndirect, KeysOfDocument)
           "dirty_nodes", "nrmse", "nrmse_brute", "energy_ratio", "flicker", "rays", "bytes"})
         EXPECT_TRUE(row.contains(key)) << key;
     EXPECT_EQ(row["method"], "visible");
-    EXPECT_LT(row["nrmse"].get<double>(), 0.4);
-    EXPECT_NEAR(row["energy_ratio"].get<double>(), 1, 0.15);
+    // The reference's own noise aside, which is most of the error with 64 paths.
+    const double noise = document["reference_noise"].get<double>(), nrmse = row["nrmse"].get<double>();
+    EXPECT_LT(nrmse * nrmse - noise * noise, 0.22 * 0.22);
+    EXPECT_NEAR(row["energy_ratio"].get<double>(), 1, 0.05);
     EXPECT_GT(row["rays"].get<int>(), 0);
 
     // With stored references the figures are the same; an incomplete file counts as none.

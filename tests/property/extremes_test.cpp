@@ -108,9 +108,9 @@ TEST_P(Extremes, CertifiedCullingIsExactAndLayersAreFinite)
                 static_cast<unsigned long long>(rays));
     // Most rays are left out, wherever floats are fine enough for proofs.
     if (GetParam().offset <= 1000)
-        EXPECT_GT(skipped, rays * 6 / 10);
+        EXPECT_GT(skipped, rays / 2);
     else
-        EXPECT_LT(skipped, rays / 2);
+        EXPECT_LE(skipped, rays / 2);
     // AFF's lights have no distance falloff: at the origin the room looks the same at every size.
     if (GetParam().offset != 0) return;
     folder_.write(folder_.main(), room(1, 0));

@@ -33,6 +33,9 @@ class FakeCopy:
 class Table(unittest.TestCase):
     def faults(self, *rows):
         with tempfile.TemporaryDirectory() as folder:
+            tests = Path(folder) / "tests/unit"
+            tests.mkdir(parents=True)
+            (tests / "sum_test.cpp").write_text("TEST(Sum, OfTwo)\n{\n}\n")
             (Path(folder) / "code.cpp").write_text("int sum() { return 1 + 2; }\nint two() { return 2 + 2; }\n")
             with mock.patch.object(mutate, "MUTATIONS", rows), mock.patch.object(mutate, "SOURCE", Path(folder)):
                 return mutate.faults_of_table()
@@ -47,6 +50,7 @@ class Table(unittest.TestCase):
             "changes nothing": [one(replacement="1 + 2")],
             "does not exist": [one(file="other.cpp")],
             "no test program 'units'": [one(tests=("units:Sum.*",))],
+            "no test of unit is named Product.*": [one(tests=("unit:Sum.*:Product.*",))],
             "names no test": [one(tests=())],
             "a second row": [one(), one()],
         }.items():
