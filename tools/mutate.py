@@ -150,7 +150,9 @@ class Copy:
         if program == "ctest":
             command = ["ctest", "--test-dir", str(self.build), "-R", f"^({pattern})$", "--output-on-failure"]
         else:
-            command = [str(self.build / "tests" / f"{program}_tests"), f"--gtest_filter={pattern}:-*Full.*",
+            # A parameterised test is named INSTANCE/SUITE.TEST/PARAMETER.
+            every = ":".join(f"{p}:*/{p}:*/{p}/*" for p in pattern.split(":"))
+            command = [str(self.build / "tests" / f"{program}_tests"), f"--gtest_filter={every}:-*Full.*",
                        "--gtest_fail_fast"]
         try:
             limited = ["prlimit", f"--cpu={PATIENCE}", *command] if shutil.which("prlimit") else command
@@ -179,14 +181,28 @@ def programs_of(tests):
     return found
 
 
-def check_unchanged(copy, chosen):
-    """Builds the tree as it is, and checks that all named tests pass, because a test that fails anyway finds nothing."""
+def digest_of_code():
+    """Of everything that a build or a test reads."""
+    digest = hashlib.sha256()
+    for folder in ("bench", "cli", "cmake", "include", "src", "tests", "viewer"):
+        for file in sorted((SOURCE / folder).rglob("*")):
+            if file.is_file() and "__pycache__" not in file.parts:
+                digest.update(str(file.relative_to(SOURCE)).encode() + b"\0" + file.read_bytes())
+    return digest.hexdigest()
+
+
+def check_unchanged(copy, chosen, passes):
+    """Builds the tree as it is, and checks that all named tests pass, because a test that fails anyway finds nothing.
+    Tests that passed with the same code are noted in the file `passes`, and are not run again."""
+    code, known = digest_of_code(), json.loads(passes.read_text()) if passes.exists() else {}
+    if known.get("code") != code:
+        known = {"code": code, "tests": []}
     ok, output = copy.make(programs_of([t for m in chosen for t in m.tests]))
     if not ok:
         say(output)
         sys.exit("mutate: the tree does not build")
     faults = []
-    for test in sorted({t for m in chosen for t in m.tests}):
+    for test in sorted({t for m in chosen for t in m.tests} - set(known["tests"])):
         began = time.monotonic()
         failed, passed = copy.run(test)
         say(f"{'as it is':14} {test} ({passed} tests, {time.monotonic() - began:.0f} s)")
@@ -194,6 +210,9 @@ def check_unchanged(copy, chosen):
             faults.append(f"{test}: {failed} fails without any mistake")
         elif passed == 0:
             faults.append(f"{test}: no test ran")
+        else:
+            known["tests"].append(test)
+            passes.write_text(json.dumps(known, indent=1) + "\n")
     return faults
 
 
@@ -287,7 +306,7 @@ def main():
     if due:
         copy = Copy(options.folder, options.jobs)
         if not options.trust:
-            faults = check_unchanged(copy, due)
+            faults = check_unchanged(copy, due, options.folder / "passes.json")
             for fault in faults:
                 say(fault)
             if faults:

@@ -97,6 +97,7 @@ using Edit = std::function<void(scene::Scene&)>;
 // Edits that each change the image.
 const std::map<std::string, Edit>& edits()
 {
+    // LONG: a table, one row for each member of a scene.
     static const std::map<std::string, Edit> all{
         {"nothing", [](scene::Scene&) {}},
         {"a position", [](scene::Scene& s) { s.meshes.edit(0).positions[1].x = 2; }},
