@@ -249,6 +249,39 @@ TEST(CellLight, LobesSeeAnEvenSkyEven)
     }
 }
 
+// What a lobe sees of an uneven sky, against a sum over evenly spaced directions.
+TEST(CellLight, LobesSeeAnUnevenSkyAsTheirIntegralDoes)
+{
+    const auto radiance = [](const glm::vec3& d) {
+        return glm::vec3(1 + d.x, d.y > 0 ? 2.0f : 0.5f, std::abs(d.z) * std::abs(d.z));
+    };
+    const scene::Environment environment(image_of(256, 128, radiance));
+    const DirectionCells cells(environment);
+    const CellLight light(cells, &environment);
+    constexpr int k_rows = 256, k_columns = 512;
+    Random random(3);
+    for (const float roughness : {0.22f, 0.45f, 0.65f})
+        for (int i = 0; i < 8; ++i) {
+            const glm::vec3 around = any_direction(random);
+            const float a2 = roughness * roughness * roughness * roughness;
+            glm::dvec3 sum(0);
+            double weights = 0;
+            for (int row = 0; row < k_rows; ++row)
+                for (int column = 0; column < k_columns; ++column) {
+                    const double up = 1 - (2 * row + 1.0) / k_rows, angle = 2 * k_pi * (column + 0.5) / k_columns;
+                    const double across = std::sqrt(1 - up * up);
+                    const glm::vec3 d(glm::dvec3(across * std::cos(angle), up, across * std::sin(angle)));
+                    const float cosine = glm::dot(d, around), t = 0.5f * (1 + cosine) * (a2 - 1) + 1;
+                    if (!(cosine > 0)) continue;
+                    const auto weight = static_cast<double>(cosine / (t * t));
+                    sum += weight * glm::dvec3(radiance(d)), weights += weight;
+                }
+            const glm::vec3 seen = light.blurred(around, roughness);
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(static_cast<double>(seen[c]), sum[c] / weights, 0.04) << roughness << ' ' << i << ' ' << c;
+        }
+}
+
 struct World {
     std::shared_ptr<const scene::Scene> scene;
     scene::SceneState state;

@@ -11,8 +11,9 @@
 #include "aff_files.h"
 #include "api/scene_access.h"
 #include "gnomon/gnomon.h"
+#include "irradiance_cache/light_tree/light_tree.h"
 #include "irradiance_cache/near_field/near_light.h"
-#include "irradiance_cache/points/sky_light.h"
+#include "light_quadtree/clusters.h"
 #include "world.h"
 
 namespace gnomon {
@@ -184,6 +185,39 @@ TEST(TrueLight, OfAnOpenSkyIsThatOfTheReference)
     scene.finish();
     const Scene under = api::public_scene(std::make_shared<const scene::Scene>(std::move(scene)));
     expect_true_energy(under, 1, 1, 48);
+}
+
+// In a closed room, all light of a point light meets a wall: 4 pi times its intensity, of which the walls reflect a part.
+TEST(TrueLight, OfALightMapIsAllThatItsLightSends)
+{
+    constexpr float k_albedo = 0.6f, k_intensity = 2;
+    SceneBuilder builder;
+    const MeshId square = add_square(builder);
+    const MaterialId grey = builder.material(matte({k_albedo, k_albedo, k_albedo}));
+    for (const Transform& turn :
+         {Transform(), Transform::rotation({1, 0, 0}, k_pi), Transform::rotation({1, 0, 0}, k_pi / 2),
+          Transform::rotation({1, 0, 0}, -k_pi / 2), Transform::rotation({0, 0, 1}, k_pi / 2),
+          Transform::rotation({0, 0, 1}, -k_pi / 2)})
+        builder.instance(square, grey, turn * Transform::translation(0, -1, 0) * Transform::scaling(2, 1, 2));
+    add_point_light(builder, {0.2f, -0.3f, 0.1f}, k_intensity);
+    add_camera(builder, {0, 0, 0.2f}, {0, 0, -1});
+    const auto scene = api::scene_of(builder.finish());
+    const scene::SceneState state(scene, 0);
+    const ray::RayScene rays(state);
+    Tasks tasks(2);
+    const light_quadtree::LightMap map(state, rays, {}, tasks);
+    light_quadtree::Clusters texels;
+    light_quadtree::all_texels(map, texels);
+    double radiance = 0;   // times area: flux over pi
+    for (const float r : texels.r) radiance += static_cast<double>(r);
+    const double truth = 4 * k_pi * static_cast<double>(k_intensity * k_albedo);
+    EXPECT_NEAR(radiance * k_pi / truth, 1, 0.01);
+    const irradiance_cache::LightTree tree(state, rays, {}, tasks);
+    double flux = 0;
+    for (const irradiance_cache::NodeId root : tree.roots())
+        for (irradiance_cache::NodeId k = 0; k < 4; ++k)
+            if (4 * root + k < tree.first_patch()) flux += static_cast<double>(tree.flux().at(4 * root + k).x);
+    EXPECT_NEAR(flux / truth, 1, 0.01);
 }
 
 // The near field of a point that hovers over a lit plane: the mean over a cosine distribution of what is not far.
