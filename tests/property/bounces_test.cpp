@@ -93,6 +93,19 @@ TEST(Bounces, ClosedBoxOfEmissiveWalls)
     }
 }
 
+// With nearly white walls, most of the light comes from bounces beyond those that are computed one by one.
+TEST(Bounces, AWhiterBoxNeedsTheRestOfTheSeries)
+{
+    constexpr double k_albedo = 0.95, k_truth = 1 / (1 - k_albedo);
+    SceneBuilder builder;
+    Material wall = matte(static_cast<float>(k_albedo));
+    wall.emissive = {1, 1, 1};
+    add_room(builder, builder.material(wall));
+    add_camera(builder, {0.2f, 0.1f, 0.7f}, {-0.3f, -0.2f, -1});
+    const Frame frame = Renderer(with_bounces(k_all_bounces)).render(builder.finish(), 1);
+    EXPECT_NEAR(spread_of(frame.layers.front().values()).mean, k_truth, 0.02 * k_truth);
+}
+
 // A lit sphere from inside: every point gets the same, one bounce of which is flux * albedo / area.
 TEST(Bounces, LitSphereFromInside)
 {

@@ -11,6 +11,7 @@
 #include "gnomon/gnomon.h"
 #include "scene/builtin/builtin.h"
 #include "scene/defaults/emissive_lights.h"
+#include "scene/environment.h"
 #include "scene_helpers.h"
 #include "trace/traced_frame.h"
 
@@ -146,6 +147,49 @@ TEST(Reference, WhiteObjectsVanishInAWhiteEnvironment)
     const IrradianceEstimate e = world.irradiance({on_floor}, options)[0];
     const glm::vec3 sum = e.indirect + e.surroundings;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], k_pi, 4.5f * e.error[c] + 1e-3) << c;
+}
+
+// Under an image with a bright zenith and a small sun, a point that sees half of it gets its integral: neither the
+// sampling of the image nor that of the surface is biased, nor are their weights.
+TEST(Reference, UnevenEnvironmentGivesItsIntegral)
+{
+    const glm::vec3 sun = glm::normalize(glm::vec3(1, 0.7f, 0.2f));
+    ImageF image(128, 64, 3);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const glm::vec3 d = scene::Environment::direction_at((x + 0.5) / image.width, (y + 0.5) / image.height);
+            const float bright = glm::dot(d, sun) > 0.995f ? 100.0f : 0.0f;
+            for (int c = 0; c < 3; ++c)
+                image.pixel(x, y)[c] = bright + 0.5f + (d.y > 0.9f ? 10.0f : 0.0f) + static_cast<float>(c) * d.x * d.x;
+        }
+    scene::Scene scene;
+    scene.background.kind = scene::Background::Kind::image;
+    scene.background.environment = std::make_shared<const scene::Environment>(image);
+    scene.materials.resize(1);
+    scene.meshes.push_back(rectangle({0.01f, 0.01f}));
+    test::add_object(scene, 0, scene::none, test::translation(0, -500, 0));   // out of sight
+    const World world(test::finished(scene));
+    ReferenceOptions options;
+    options.samples = 1 << 15, options.surroundings = true, options.bounces = 0;
+    for (const glm::vec3& normal : {glm::vec3(0, 1, 0), glm::vec3(1, 0, 0), glm::normalize(glm::vec3(-1, 1, 2))}) {
+        glm::dvec3 truth(0);
+        constexpr int k_rows = 1000, k_columns = 2000;
+        for (int row = 0; row < k_rows; ++row)
+            for (int column = 0; column < k_columns; ++column) {
+                const double up = 1 - (2 * row + 1.0) / k_rows, angle = 2 * k_pi * (column + 0.5) / k_columns;
+                const double across = std::sqrt(1 - up * up);
+                const glm::vec3 d(glm::dvec3(across * std::cos(angle), up, across * std::sin(angle)));
+                const float cosine = glm::dot(d, normal);
+                if (cosine > 0)
+                    truth += glm::dvec3(world.scene->background.environment->radiance(d) * cosine) *
+                             (4 * k_pi / (k_rows * k_columns));
+            }
+        const IrradianceEstimate e = world.irradiance({point_at({0, 0, 0}, normal)}, options)[0];
+        for (int c = 0; c < 3; ++c) {
+            EXPECT_LT(static_cast<double>(e.error[c]), 0.008 * truth[c]);
+            EXPECT_NEAR(static_cast<double>(e.surroundings[c]) / truth[c], 1, 0.01) << c << ' ' << normal.x;
+        }
+    }
 }
 
 // Differential element to a parallel rectangle over its corner [Howell, catalogue of configuration factors, B-3].

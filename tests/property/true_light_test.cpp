@@ -187,17 +187,17 @@ TEST(TrueLight, OfAnOpenSkyIsThatOfTheReference)
     expect_true_energy(under, 1, 1, 48);
 }
 
-// In a closed room, all light of a point light meets a wall: 4 pi times its intensity, of which the walls reflect a part.
+// In a closed room, all light of a point light meets a wall: 4 pi times its intensity, of which the walls reflect a
+// part.
 TEST(TrueLight, OfALightMapIsAllThatItsLightSends)
 {
     constexpr float k_albedo = 0.6f, k_intensity = 2;
     SceneBuilder builder;
     const MeshId square = add_square(builder);
     const MaterialId grey = builder.material(matte({k_albedo, k_albedo, k_albedo}));
-    for (const Transform& turn :
-         {Transform(), Transform::rotation({1, 0, 0}, k_pi), Transform::rotation({1, 0, 0}, k_pi / 2),
-          Transform::rotation({1, 0, 0}, -k_pi / 2), Transform::rotation({0, 0, 1}, k_pi / 2),
-          Transform::rotation({0, 0, 1}, -k_pi / 2)})
+    for (const Transform& turn : {Transform(), Transform::rotation({1, 0, 0}, k_pi),
+                                  Transform::rotation({1, 0, 0}, k_pi / 2), Transform::rotation({1, 0, 0}, -k_pi / 2),
+                                  Transform::rotation({0, 0, 1}, k_pi / 2), Transform::rotation({0, 0, 1}, -k_pi / 2)})
         builder.instance(square, grey, turn * Transform::translation(0, -1, 0) * Transform::scaling(2, 1, 2));
     add_point_light(builder, {0.2f, -0.3f, 0.1f}, k_intensity);
     add_camera(builder, {0, 0, 0.2f}, {0, 0, -1});
