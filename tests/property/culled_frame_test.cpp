@@ -160,9 +160,24 @@ std::uint64_t wrong_answers(std::uint64_t seed, int rounds, std::uint64_t& skipp
 }
 
 // A static object that a user override moves no longer casts its remembered shadow, but one from where it is.
-TEST(CertifiedCulling, FollowsUserOverridesOfStaticObjects)
+// Cornell, with surfaces that are seen from behind if turned.
+std::shared_ptr<const scene::Scene> cornell(bool turned)
 {
-    const auto scene = std::make_shared<scene::Scene>(scene::make_cornell());
+    scene::Scene scene = scene::make_cornell();
+    if (turned) {
+        for (scene::MeshId m = 0; m < scene.meshes.size(); ++m)
+            for (glm::uvec3& triangle : scene.meshes.edit(m).triangles) std::swap(triangle.y, triangle.z);
+        for (scene::Material& material : scene.materials) material.double_sided = true;
+        scene.finish();
+    }
+    return std::make_shared<const scene::Scene>(std::move(scene));
+}
+
+class CertifiedCullingOfSides : public testing::TestWithParam<bool> {};
+
+TEST_P(CertifiedCullingOfSides, FollowsUserOverridesOfStaticObjects)
+{
+    const auto scene = cornell(GetParam());
     scene::SceneState state(scene, 0);
     ray::RayScene rays(state);
     shadow_culling::CertifiedCulling culling(state, rays, {});
@@ -191,6 +206,7 @@ TEST(CertifiedCulling, FollowsUserOverridesOfStaticObjects)
         compare(frame);
     }
 }
+INSTANTIATE_TEST_SUITE_P(Each, CertifiedCullingOfSides, testing::Bool());
 
 // Blocks are drawn for whoever asks, however little that saves: so that all that can be wrong with them is.
 shadow_culling::CertifiedOptions every_block()
