@@ -379,7 +379,7 @@ MUTATIONS = (
         "return Twofold(1) + (t + (half + (Twofold(0.16666666666) * cube +", "unit:Elementary.*"),
     row("logarithm-term", "base/elementary", "a term of the logarithm's series is wrong",
         "src/base/elementary/functions.cpp", "1. / 15, 1. / 17, 1. / 19, 1. / 21, 1. / 23};\n    return polynomial(c, z);", "1. / 16, 1. / 17, 1. / 19, 1. / 21, 1. / 23};\n    return polynomial(c, z);", "unit:Elementary.*"),
-    row("sine-of-large", "base/elementary", "numbers beyond the largest have no logarithm",
+    row("logarithm-of-infinity", "base/elementary", "infinity has no logarithm",
         "src/base/elementary/functions.cpp", "result = x == 0 ? -k_inf : x > 0 ? x : x != x ? x : k_nan;",
         "result = x == 0 ? -k_inf : x > 0 ? k_nan : x != x ? x : k_nan;", "unit:Elementary.*"),
     # ---- io/gltf

@@ -103,6 +103,8 @@ TEST(Elementary, SpecialValuesAreThoseOfTheStandard)
     EXPECT_EQ(std::exp(hidden(710.0)), k_inf);
     EXPECT_EQ(std::exp2(hidden(-1074.0)), std::numeric_limits<double>::denorm_min());
     EXPECT_EQ(std::log(zero), -k_inf);
+    for (const double x : {std::log(inf), std::log2(inf), std::log10(inf)}) EXPECT_EQ(x, k_inf);
+    EXPECT_TRUE(std::isnan(std::log(nan)) && std::isnan(std::log2(nan)) && std::isnan(std::log10(nan)));
     EXPECT_TRUE(std::isnan(std::log(-one)) && std::isnan(std::acos(hidden(1.5))) &&
                 std::isnan(std::asin(hidden(-2.0))));
     EXPECT_EQ(std::log2(hidden(8.0)), 3);
