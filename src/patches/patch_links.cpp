@@ -11,8 +11,8 @@ namespace gnomon::patches {
 
 namespace {
 
-constexpr std::size_t k_patches_at_once = 64;       // in a task that casts rays
-constexpr std::size_t k_patches_to_gather = 1024;   // in a task that sums
+constexpr std::size_t k_patches_at_once = 64;          // in a task that casts rays
+constexpr std::size_t k_patches_to_gather = 1024;      // in a task that sums
 constexpr double k_golden_angle = 2.399963229728653;   // radians
 // Ray r starts at place number k_order * r: neighbouring directions start far apart.
 constexpr std::size_t k_order = 13;

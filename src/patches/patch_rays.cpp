@@ -49,7 +49,7 @@ void PatchRays::trace(const scene::Scene& scene, const ray::RayScene& rays)
             const Surface at = surface(rays, r);
             const float cosine = std::abs(glm::dot(at.normal, rays_.direction(r)));
             passing_.push(rays_.origin(r), hits_.t[r] + at.lift / std::max(cosine, k_least_cosine), rays_.direction(r),
-                          k_infinity);
+                          far_[r]);
             passing_ray_.push_back(r);
         }
         if (passing_.empty()) return;
@@ -73,7 +73,7 @@ PatchId PatchRays::patch(const SurfacePatches& patches, const ray::RayScene& ray
 
 void PatchRays::find_passing(const ray::RayScene& rays, glm::vec3* passes)
 {
-    for (std::size_t r = 0; r < rays_.size(); ++r) rays_.tfar[r] = leaves(r) ? k_infinity : hits_.t[r];
+    for (std::size_t r = 0; r < rays_.size(); ++r) rays_.tfar[r] = leaves(r) ? far_[r] : hits_.t[r];
     rays.let_through(rays_, 0, rays_.size(), passes, ray::Against::static_only);
 }
 

@@ -12,15 +12,20 @@ namespace gnomon::patches {
 class PatchRays {
  public:
     PatchRays();
-    void clear() { rays_.clear(); }
+    void clear() { rays_.clear(), far_.clear(); }
     /// @param direction  unit
-    void push(const glm::vec3& origin, const glm::vec3& direction) { rays_.push(origin, 0, direction, k_infinity); }
+    /// @param far        where the ray ends
+    void push(const glm::vec3& origin, const glm::vec3& direction, float far = k_infinity)
+    {
+        rays_.push(origin, 0, direction, far);
+        far_.push_back(far);
+    }
     std::size_t size() const { return rays_.size(); }
     glm::vec3 direction(std::size_t r) const { return rays_.direction(r); }
 
     /// Finds where all rays end, against static objects.
     void trace(const scene::Scene& scene, const ray::RayScene& rays);
-    /// Whether a ray leaves the scene. @pre traced
+    /// Whether a ray meets nothing that blocks light: if it has no end, it leaves the scene. @pre traced
     bool leaves(std::size_t r) const { return hits_.object[r] == scene::none; }
     /// The patch that a ray ends on, if any. @pre traced, and it does not leave the scene
     PatchId patch(const SurfacePatches& patches, const ray::RayScene& rays, std::size_t r) const;
@@ -37,6 +42,7 @@ class PatchRays {
     bool blocks(const scene::Scene& scene, const ray::RayScene& rays, std::size_t r) const;
 
     ray::RayQueue rays_, passing_;
+    std::vector<float> far_;   // by ray
     ray::Hits hits_, next_;
     std::vector<std::uint32_t> passing_ray_;
 };

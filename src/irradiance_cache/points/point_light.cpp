@@ -54,20 +54,14 @@ void StaticVisibility::add(const CacheFrame& frame, CachePoint& point, std::span
                            std::span<const float> weight)
 {
     const float radius = has_near_field(frame, point) ? frame.near_field.light().options().radius : 0;
-    added_.push_back({&point, nodes_.size(), k_none});
+    added_.push_back({&point, nodes_.size(), NearPatches::k_none});
     point.tint = glm::vec3(1);
-    const glm::vec3 origin = point.origin();
-    bool near_patches = false;
-    for (std::size_t k = 0; k < cut.size(); ++k) {
-        if (cut[k] < frame.lights.first_patch() || point.owner != k_no_owner) {
-            add_node(frame, point, cut[k], weight[k], radius);
-            continue;
-        }
-        near_patches |= near_.take(frame.lights, origin, cut[k], weight[k], [&](NodeId node, float of_node) {
-            add_node(frame, point, node, of_node, radius);
-        });
+    if (frame.lights.patch_light() && point.owner == k_no_owner) {
+        cut_.assign(cut.begin(), cut.end()), cut_weights_.assign(weight.begin(), weight.end());
+        added_.back().near = near_.divide(frame.lights, point, cut_, cut_weights_);
+        cut = cut_, weight = cut_weights_;
     }
-    if (near_patches) added_.back().first_near = near_.add(point);
+    for (std::size_t k = 0; k < cut.size(); ++k) add_node(frame, point, cut[k], weight[k], radius);
 }
 
 // Queues a ray to a node.

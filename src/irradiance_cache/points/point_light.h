@@ -45,13 +45,14 @@ class StaticVisibility {
 
     struct Added {
         CachePoint* point;
-        std::size_t first;        // of its rays
-        std::size_t first_near;   // of its rays to near patches; k_none: it has none
+        std::size_t first;   // of its rays
+        std::size_t near;    // its number among points with near patches, or NearPatches::k_none
     };
-    static constexpr std::size_t k_none = ~std::size_t{0};
     void add_node(const CacheFrame& frame, const CachePoint& point, NodeId node, float weight, float radius);
     std::vector<Added> added_;
     NearPatches near_;
+    std::vector<NodeId> cut_;   // of one point
+    std::vector<float> cut_weights_;
     ray::RayQueue rays_;
     std::vector<NodeId> nodes_;    // by ray
     std::vector<float> weights_;   // by ray
@@ -110,8 +111,8 @@ void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTeste
         for (std::size_t r = added_[a].first; r < last; ++r)
             if (!occluded_[r]) seen_.push_back(pack_seen(nodes_[r], weights_[r]));
         CachePoint& point = *added_[a].point;
-        const bool near = added_[a].first_near != k_none;
-        if (near) near_.find(frame, point, added_[a].first_near, seen_, rest);
+        const bool near = added_[a].near != NearPatches::k_none;
+        if (near) near_.find(frame, point, added_[a].near, seen_, rest);
         store(point, std::span<const SeenNode>(seen_));
         for (int colour = 0; near && colour < 3; ++colour) point.static_light[colour] += rest[colour];
         counters.nodes += seen_.size();
