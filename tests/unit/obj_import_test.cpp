@@ -187,6 +187,22 @@ TEST_F(ObjImport, UsesCreaseAngleWithoutSmoothingGroups)
     }
 }
 
+// The corner of a cube, one side of which is cut into two triangles: all three sides count the same.
+TEST_F(ObjImport, SmoothsByTheAnglesOfCorners)
+{
+    const scene::Scene scene = load(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 1 1 0\nv 1 0 1\nv 0 1 1\ns 1\n"
+        "f 1 3 5\nf 1 5 2\nf 1 2 6 4\nf 1 4 7 3\n");
+    const scene::Mesh& mesh = scene.meshes[0];
+    int found = 0;
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        if (mesh.positions[i] != glm::vec3(0)) continue;
+        EXPECT_LT(glm::length(mesh.normals[i] - glm::normalize(glm::vec3(-1, -1, -1))), 1e-6f);
+        ++found;
+    }
+    EXPECT_GT(found, 0);
+}
+
 TEST_F(ObjImport, HandlesManyFacesAtOneVertex)
 {
     std::string fan = "v 0 0 1\n";

@@ -44,6 +44,32 @@ TEST(Shading, WhittedHighlightLiesAlongTheMirrorDirection)
     EXPECT_LT(reflect_light(s, s.to_viewer, glm::vec3(1)).x, 0.01f);
 }
 
+// Schlick's approximation, with the fifth power, of a smooth dielectric.
+TEST(Shading, MirrorsFollowSchlick)
+{
+    SurfacePoint s = flat(scene::ShadingModel::metallic_roughness);
+    s.roughness = 0;
+    s.specular = glm::vec3(0.04f);
+    for (const float cosine : {0.9f, 0.5f, 0.2f, 0.05f}) {
+        s.to_viewer = {std::sqrt(1 - cosine * cosine), 0, cosine};
+        EXPECT_NEAR(continue_from(s).reflected_weight.x, 0.04f + 0.96f * std::pow(1 - cosine, 5.0f), 1e-5f) << cosine;
+    }
+}
+
+// The polynomial of Chiang et al. (2019), eq. 4, where shading and smooth normal differ.
+TEST(Shading, TerminatorFollowsItsPolynomial)
+{
+    SurfacePoint s = flat(scene::ShadingModel::whitted);
+    s.normal = glm::normalize(glm::vec3(0.5f, 0, 1));
+    for (const float low : {0.2f, 0.05f}) {
+        const glm::vec3 to_light = glm::normalize(glm::vec3(1, 0, low));
+        const float shading = glm::dot(s.normal, to_light), smooth = glm::dot(s.smooth_normal, to_light);
+        const float g = std::min(1.0f, smooth / (shading * glm::dot(s.normal, s.smooth_normal)));
+        ASSERT_LT(g, 1);
+        EXPECT_NEAR(reflect_light(s, to_light, glm::vec3(1)).x, 0.5f * shading * (g + g * g - g * g * g), 1e-6f) << low;
+    }
+}
+
 // No surface may reflect more light than it receives: integrate the GGX reflectance over the hemisphere.
 TEST(Shading, GgxDoesNotGainEnergy)
 {
