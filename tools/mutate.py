@@ -274,6 +274,7 @@ def main():
     parser.add_argument("--list", action="store_true", help="print the mistakes and the tests expected to find them")
     parser.add_argument("--check", action="store_true", help="compare the table with the tree, and build nothing")
     parser.add_argument("--only", metavar="WORD", action="append", help="mistakes whose name or technique has the word")
+    parser.add_argument("--survivors", action="store_true", help="judge only what was not found when last judged")
     parser.add_argument("--again", action="store_true", help="judge again what was judged before")
     parser.add_argument("--wide", action="store_true", help="after a survivor, run all tests of the named programs")
     parser.add_argument("--trust", action="store_true", help="do not run the tests without mistakes first")
@@ -301,6 +302,8 @@ def main():
         report(results, options.report)
         return 0
 
+    if options.survivors:
+        chosen = [m for m in chosen if results.get(m.name, {}).get("state") != KILLED]
     due = [m for m in chosen if options.again or results.get(m.name, {}).get("key") != key_of(m)]
     say(f"{len(chosen)} mistakes, {len(chosen) - len(due)} of them judged before")
     if due:

@@ -121,6 +121,21 @@ TEST(FramesFolder, BelongsToOneVideo)
     EXPECT_THROW(third.open(video, true, false), MissingError) << "a video deletes its frames when it is complete";
 }
 
+// A folder that happens to have the name, with files of somebody else, is left as it is.
+TEST(FramesFolder, RefusesAFolderWithOtherFiles)
+{
+    const test::ScratchFolder folder;
+    const fs::path taken = folder / "a.mp4.frames";
+    fs::create_directory(taken);
+    std::ofstream(taken / "notes.txt") << "mine";
+    for (const bool keep : {false, true}) {
+        video::FramesFolder frames(folder / "a.mp4");
+        EXPECT_THROW(frames.open({"scene", {8, 8}, 1, "1.0"}, keep, false), UsageError);
+    }
+    EXPECT_EQ(bytes_of(taken / "notes.txt"), "mine");
+    EXPECT_EQ(files_in(taken), 1u);
+}
+
 TEST(FramesFolder, AcceptsChunksThatStartTogether)
 {
     const test::ScratchFolder folder;
