@@ -193,7 +193,7 @@ MUTATIONS = (
         "src/environment_light/cell_light.cpp", "to.flux.push_back(flux);", "to.flux.push_back(0.98f * flux);", "property:CellLight.*"),
     row("parts-above", "environment_light", "directions above the horizon count as below it",
         "src/environment_light/part_directions.cpp", "glm::dot(direction(leaf, part), normal) > least",
-        "glm::dot(direction(leaf, part), normal) < least", "property:CellVisibility.*", "property:SunFrame.*"),
+        "glm::dot(direction(leaf, part), normal) < least", "property:PartDirections.*"),
     # ---- irradiance_cache
     row("bounced-flux", "irradiance_cache", "bounced flux is 10 % too low",
         "src/irradiance_cache/light_tree/light_tree.cpp",

@@ -96,6 +96,30 @@ TEST(DirectionCells, CellsNest)
     }
 }
 
+// The parts of a cell lie around its middle, and those above a horizon are marked one by one.
+TEST(PartDirections, MarkThePartsAboveAHorizon)
+{
+    const scene::Environment environment = even_sky();
+    const DirectionCells cells(environment);
+    const PartDirections parts(cells);
+    Random random(6);
+    std::size_t divided = 0;
+    for (std::size_t leaf = 0; leaf < cells.leaves(); leaf += 7) {
+        const glm::vec3 aside = glm::cross(cells.direction(leaf), any_direction(random));
+        for (const glm::vec3& normal : {glm::normalize(aside), any_direction(random)}) {
+            const float least = random.uniform(0, 0.05f);
+            const std::uint64_t above = parts.above(leaf, normal, least);
+            for (std::uint32_t part = 0; part < k_parts; ++part) {
+                const glm::vec3 direction = parts.direction(leaf, part);
+                EXPECT_GT(glm::dot(direction, cells.direction(leaf)), 0.95f);
+                EXPECT_EQ((above >> part & 1) != 0, glm::dot(direction, normal) > least);
+            }
+            divided += above != 0 && above != ~std::uint64_t{0};
+        }
+    }
+    EXPECT_GT(divided, 50u);
+}
+
 TEST(DirectionCells, ASunHasCellsOfItsOwn)
 {
     const scene::Environment environment = sunny();
