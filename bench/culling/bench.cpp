@@ -178,7 +178,8 @@ class Run {
         worker.whose.clear();
         for (std::uint32_t p = 0; p < tile.points.size(); ++p) {
             const glm::vec3 to_light = light.from(tile.points[p].origin);
-            if (!light.faces(to_light, tile.points[p].normal) || light.dark_at(tile.points[p].origin)) continue;
+            if (!scene::LightReach::faces(to_light, tile.points[p].normal) || light.dark_at(tile.points[p].origin))
+                continue;
             worker.queue.push(tile.points[p].origin, 0, to_light, end);
             worker.whose.push_back(p);
             tile.facing[l * tile.points.size() + p] = 1;
