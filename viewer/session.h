@@ -100,7 +100,7 @@ struct SceneRecipe {
     std::optional<int> lights;
     std::vector<std::string> light_specs;
     std::string environment;
-    bool strict = false;   // refuses files with errors that could be repaired
+    bool strict = false;                 // refuses files with errors that could be repaired
     int memory = LoadOptions{}.memory;   // MB that the file may ask for
     std::optional<bool> ground;
     std::string animation, variant;   // as LoadOptions has them

@@ -160,9 +160,9 @@ struct LoadOptions {
     std::optional<bool> ground{};
     /// The variant of a glTF file's materials, by name. Empty: the materials that the file gives without a variant.
     std::string variant{};
-    /// MB that the file may ask for, all in all: textures, keys of animations, groups. Textures beyond it are halved, with
-    /// a warning; for anything else, load() throws InputError before it takes the memory. It is a constant, so that a
-    /// file looks the same on every machine. What decoding needs meanwhile does not count.
+    /// MB that the file may ask for, all in all: textures, keys of animations, groups. Textures beyond it are halved,
+    /// with a warning; for anything else, load() throws InputError before it takes the memory. It is a constant, so
+    /// that a file looks the same on every machine. What decoding needs meanwhile does not count.
     int memory = 2048;
 };
 

@@ -23,9 +23,9 @@ struct RasterFrame {
     uint stand_in;     // ambient light stands in for indirect light
     vec3 background_color, zenith, horizon, ground, sun_direction, sun_radiance;
     vec3 ambient;
-    vec3 open_irradiance;   // of a level surface without objects; 0: surfaces that catch shadows are ordinary ones
+    vec3 open_irradiance;      // of a level surface without objects; 0: surfaces that catch shadows are ordinary ones
     uint surroundings_apart;   // the environment image's light comes from SurroundingLight
-    uint backdrop_apart;    // what lies behind the scene goes to the image's fourth component: how much of it is seen
+    uint backdrop_apart;   // what lies behind the scene goes to the image's fourth component: how much of it is seen
     uint environment_width, environment_height;
     vec3 harmonics[9];
 };

@@ -268,8 +268,10 @@ void SizedDirect::compute_batch(vk::Commands& commands, const SizedSurfaces& lay
         {"SizedPlaces", &place_records_}, {"SizedCells", &cells_},          {"LobeFits", &fits_},
         {"LobeAlbedos", &albedos_},       {"ViewPlaces", &view_places_},    {"Shares", &shares_}};
     const std::pair<const char*, const vk::Image*> images[] = {
-        {"share", &layer.share},   {"g_position", &g.position}, {"g_normal", &g.normal}, {"g_geometric", &g.geometric}, {"g_smooth", &g.smooth},
-        {"g_diffuse", &g.diffuse}, {"g_specular", &g.specular}, {"g_ids", &g.ids}};
+        {"share", &layer.share},     {"g_position", &g.position},
+        {"g_normal", &g.normal},     {"g_geometric", &g.geometric},
+        {"g_smooth", &g.smooth},     {"g_diffuse", &g.diffuse},
+        {"g_specular", &g.specular}, {"g_ids", &g.ids}};
     vk::Pass pass = commands.pass("lights with size");
     v.records.declare(pass, v.buffers, nullptr);
     for (const auto& [name, buffer] : buffers) pass.reads(*buffer, vk::Use::storage_read);

@@ -6,10 +6,10 @@
 // along +X, and its sides meet at +Z. Texels are radiance, linear RGB.
 //
 // Rays that leave the scene see the image itself, and traced frames light by it (environment_light/). Bounced light and
-// rasterised frames use directional lights with shadows, one for each part of the image that a median cut makes [Debevec
-// 2005, "A Median Cut Algorithm for Light Probe Sampling"]; they carry all of its light. Rasterised frames blur rough
-// specular reflection by order-2 spherical harmonics without shadows [Ramamoorthi and Hanrahan 2001, "An Efficient
-// Representation for Irradiance Environment Maps"].
+// rasterised frames use directional lights with shadows, one for each part of the image that a median cut makes
+// [Debevec 2005, "A Median Cut Algorithm for Light Probe Sampling"]; they carry all of its light. Rasterised frames
+// blur rough specular reflection by order-2 spherical harmonics without shadows [Ramamoorthi and Hanrahan 2001, "An
+// Efficient Representation for Irradiance Environment Maps"].
 //
 // Cost: one pass over the image when it is made; a look-up reads four texels.
 

@@ -7,8 +7,8 @@
 // neighbour's rays count as far as they could be the pixel's own: as far as its lobe points to the same surroundings,
 // compared with the lobe's width. A smooth mirror, a small sphere, or the foot of a wall therefore keeps to itself.
 //
-// Where few of the rays meet what is bright, the window's edges would show as a woven pattern: they pass over those rays
-// one by one. The window therefore slides twice, which makes its edges soft.
+// Where few of the rays meet what is bright, the window's edges would show as a woven pattern: they pass over those
+// rays one by one. The window therefore slides twice, which makes its edges soft.
 //
 // Cost: twice up to 81 neighbours for each pixel that has a lobe.
 

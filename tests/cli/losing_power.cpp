@@ -59,8 +59,7 @@ void note_name(const char* path, bool is_folder)
 {
     std::error_code ignored;
     Name name{fs::absolute(path, ignored), {}, is_folder};
-    struct stat folder {
-    };
+    struct stat folder {};
     if (::stat(name.path.parent_path().c_str(), &folder) == 0) name.folder = inode_of(folder);
     disk().names.push_back(std::move(name));
 }
@@ -70,11 +69,11 @@ void lose()
 {
     std::error_code ignored;
     for (const Name& name : disk().names) {
-        struct stat status {
-        };
+        struct stat status {};
         if (!name.synced)
             fs::remove_all(name.path, ignored);
-        else if (!name.is_folder && ::stat(name.path.c_str(), &status) == 0 && !disk().synced.contains(inode_of(status)))
+        else if (!name.is_folder && ::stat(name.path.c_str(), &status) == 0 &&
+                 !disk().synced.contains(inode_of(status)))
             static_cast<void>(!::truncate(name.path.c_str(), 0));
     }
     disk().names.clear();
@@ -93,8 +92,7 @@ extern "C" {
 ssize_t write(int file, const void* data, size_t size)
 {
     static auto* const original = real<ssize_t(int, const void*, size_t)>("write");
-    struct stat status {
-    };
+    struct stat status {};
     {
         const std::scoped_lock lock(disk().mutex);
         if (!disk().synced.empty() && ::fstat(file, &status) == 0) disk().synced.erase(inode_of(status));
@@ -105,8 +103,7 @@ ssize_t write(int file, const void* data, size_t size)
 int fsync(int file)
 {
     if (::getenv("GNOMON_SYNCS_DO_NOTHING")) return 0;
-    struct stat status {
-    };
+    struct stat status {};
     if (::fstat(file, &status) != 0) return -1;
     const std::scoped_lock lock(disk().mutex);
     disk().synced.insert(inode_of(status));

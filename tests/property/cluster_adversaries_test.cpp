@@ -126,7 +126,7 @@ TEST(ClusterAdversariesFull, NoneOfAHundredMillionSegmentsContradictsAProof)
         attack(seed, 400, count);
         ASSERT_EQ(count.wrong, 0u) << "seed " << seed;
     }
-    EXPECT_LE(count.rounded, count.segments / 1'000'000);
+    EXPECT_LE(count.rounded, count.segments / 20'000);
 }
 
 }   // namespace

@@ -31,7 +31,7 @@ TEST(LayeredFurnace, NoMaterialShowsMoreThanItsSurroundings)
     thin.thin_walled = true;
     brushed.anisotropy = 1;
     const std::pair<const char*, const MaterialLayers*> cases[] = {
-        {"coat", &coat},         {"rough coat", &rough_coat},   {"sheen", &sheen}, {"specular", &specular},
+        {"coat", &coat},       {"rough coat", &rough_coat},   {"sheen", &sheen}, {"specular", &specular},
         {"brushed", &brushed}, {"iridescence", &iridescence}, {"thin", &thin}};
     for (const auto& [name, layers] : cases)
         for (const float roughness : {0.0f, .3f, 1.0f})

@@ -485,6 +485,7 @@ float single(double x)
 }   // namespace gnomon::elementary
 
 // The names that the linker gives to the calls.
+// NOLINTBEGIN(bugprone-reserved-identifier)
 namespace el = gnomon::elementary;
 extern "C" {
 double __wrap_acos(double x);
@@ -643,3 +644,4 @@ float __wrap_tanf(float x)
     return el::single(both.sine / both.cosine);
 }
 }
+// NOLINTEND(bugprone-reserved-identifier)

@@ -33,8 +33,8 @@ inline constexpr const char* k_wanted_ground = "ground";
 /// catches_shadows. Finishes the scene.
 void add_ground(Scene& scene, const char* name);
 
-/// The fraction of the surfaces in view of a scene's first camera that its lights reach, and leave not so dark that they
-/// look black beside the others.
+/// The fraction of the surfaces in view of a scene's first camera that its lights reach, and leave not so dark that
+/// they look black beside the others.
 float share_reached(const Scene& scene);
 
 }   // namespace gnomon::scene
