@@ -62,7 +62,7 @@ void RasterEnvironment::add_point(const Surfaces& read, std::size_t pixel, const
     at.normal = glm::vec3(geometric);
     at.front = glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), at.normal) > 0;
     const float lift = ray::origin_lift(corners);
-    at.origin = glm::vec3(position) + lift * at.normal;
+    at.origin = raster::point_of(corners, place) + lift * at.normal;
 
     trace::TilePoint& point = own.points.emplace_back();
     shading::SurfacePoint& s = point.surface;

@@ -76,7 +76,7 @@ void ProvenShares::make_points(std::size_t number, const scene::View& view)
             point.u = at.x, point.v = at.y;
             point.normal = normal;
             point.front = glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), normal) > 0;
-            point.origin = position + ray::origin_lift(corners) * normal;
+            point.origin = point_of(corners, at) + ray::origin_lift(corners) * normal;
             tile.points.push_back(point);
             tile.pixels.push_back(static_cast<std::uint32_t>(i));
         }
