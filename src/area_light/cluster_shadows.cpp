@@ -86,6 +86,8 @@ ClusterShadows::Verdict ClusterShadows::judge(TriangleId triangle, bool front, c
         verdict.state = PartState::unlit;
         return verdict;
     }
+    if (level == 0 && piece.size < options_.least_triangle * static_cast<double>(triangles_.bounds().diagonal()))
+        return verdict;
 
     // Find what may meet the shaft.
     const auto take = [&](TriangleId id) {
