@@ -94,15 +94,15 @@ class EnvironmentLighting {
     PassingLight passing_;
     PlaceLattice lattice_;
     environment_light::SeenCells lattice_seen_;
-    std::vector<float> lattice_light_;   // by place: the luminance that arrives there
+    std::vector<glm::vec3> lattice_irradiance_, lattice_passes_;   // by place; empty: nothing thins light
     SharedPlaces places_;
     environment_light::CellVisibility::Scratch scratch_;
     environment_light::SeenCells seen_;
     std::vector<float> reflected_;
-    std::vector<std::uint32_t> asked_;                // points that could reflect light
-    std::vector<std::uint32_t> apart_;                // of these, those that are not between places
-    std::vector<std::uint32_t> apart_at_;             // by asked point: its index there; k_between
-    std::vector<std::uint64_t> between_mask_;         // what one point sees by the places around it
+    std::vector<std::uint32_t> asked_;          // points that could reflect light
+    std::vector<std::uint32_t> apart_;          // of these, those that are not between places
+    std::vector<std::uint32_t> apart_at_;       // by asked point: its index there; k_between
+    std::vector<std::uint64_t> between_mask_;   // what one point sees by the places around it
     std::vector<environment_light::PartialCell> between_partial_;
     std::vector<std::uint32_t> between_leaves_;
     std::vector<std::uint32_t> asked_places_;         // all places
