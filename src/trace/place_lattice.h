@@ -20,11 +20,11 @@
 namespace gnomon::trace {
 
 struct LatticeOptions {
-    float step = 6;            // between places at most, in widths of the cone through which a point is seen
-    int least_level = 2;       // of the lattice: a triangle has 4^level parts
-    std::uint32_t uses = 30;   // of the three places around a point together, by points of the batch, at least
-    float inset = 0.01f;       // of the lattice from the edges, as a fraction of the way to the triangle's middle
-    float alike = 1.0f / 16;   // how much the light at places around a point may differ, as a fraction
+    float step = 6;             // between places at most, in widths of the cone through which a point is seen
+    int least_level = 2;        // of the lattice: a triangle has 4^level parts
+    std::uint32_t uses = 120;   // of the three places around a point together, by points of the batch, at least
+    float inset = 0.01f;        // of the lattice from the edges, as a fraction of the way to the triangle's middle
+    float alike = 1.0f / 16;    // how much the light at places around a point may differ, as a fraction
 };
 
 class PlaceLattice {
