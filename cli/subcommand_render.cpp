@@ -35,7 +35,7 @@ void refuse_options_of_other_renderer(const options::OptionValues& values)
             if (values.given(name)) throw UsageError(fmt::format("--{} needs --renderer {}", name, renderer));
     };
     if (values.text("renderer") == "raster") {
-        refuse({"shadow-culling", "accelerator", "max-depth", "reference", "sun-size"}, "trace");
+        refuse({"shadow-culling", "accelerator", "max-depth", "reference"}, "trace");
     } else {
         refuse({"shadow-textures", "shadow-filter"}, "raster");
     }

@@ -56,7 +56,7 @@ struct RenderOptions {
     ShadowCulling shadow_culling = ShadowCulling::certified;
     Indirect indirect = Indirect::visible;
     ShadowTextures shadow_textures = ShadowTextures::items;   // of the rasterised frame
-    /// Angular diameter of directional lights, in degrees (the sun's is .53); 0: points. Of traced frames.
+    /// Angular diameter of directional lights, in degrees (the sun's is .53); 0: points.
     double sun_size = 0;
     int shadow_filter = 1;   // width of shadow edges in texels of the light view; 0: hard
     /// The published techniques by the letter of their papers. ShadowCulling::paper writes modes while the frame is

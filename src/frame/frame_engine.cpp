@@ -87,8 +87,8 @@ auto map_key(const RenderOptions& o)
 
 auto raster_key(const RenderOptions& o)
 {
-    return std::tuple(o.samples, o.layers, o.shadow_textures, o.shadow_filter, o.as_printed, o.overlay, o.indirect_on,
-                      o.background == BackgroundKind::environment, cache_key(o), map_key(o));
+    return std::tuple(o.samples, o.layers, o.shadow_textures, o.shadow_filter, o.sun_size, o.as_printed, o.overlay,
+                      o.indirect_on, o.background == BackgroundKind::environment, cache_key(o), map_key(o));
 }
 
 // Bytes of the buffers of a frame.
@@ -182,7 +182,7 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
     // Move the scene.
     const bool needs_rays = options.renderer == RenderMethod::trace || options.indirect == Indirect::visible ||
                             options.ids || options.motion || settings_.always_has_rays ||
-                            raster_needs_rays(*scene, options.shadow_textures);
+                            raster_needs_rays(*scene, options);
     const bool rays_are_traced = options.renderer == RenderMethod::trace || settings_.always_has_rays;
     const Accelerator accelerator = rays_are_traced ? options.accelerator : Accelerator::embree;
     const bool same_rays = accelerator == accelerator_ && options.arithmetic == arithmetic_;
@@ -287,7 +287,7 @@ void FrameEngine::fit_caches(const RenderOptions& options)
     if (!plan_.raster) raster_.reset();
     if (!plan_.certified) certified_.reset();
     if (plan_.raster || sized_.empty()) proven_.reset();
-    environment_.fit(options, !plan_.raster && plan_.shown == Shown::light);
+    environment_.fit(options, uses_environment());
     if (!plan_.nah || (nah_ && nah_->options().writes_at_once != options.as_printed)) nah_.reset();
     const bool cache_waits = plan_.shown == Shown::shadow_states && options.indirect == Indirect::visible;
     if (!(plan_.cache || cache_waits) || cache_key(options) != cache_key(cache_options_)) cache_.reset();
@@ -337,6 +337,8 @@ void FrameEngine::fit_rasterizer(const RenderOptions& options)
                   .map = map_options(options),
                   .visible = cache_options(options),
                   .indirect_on = options.indirect_on,
+                  .image_apart = raster_has_image_apart(*scene_, options),
+                  .suns_apart = raster_has_suns_apart(*scene_, options),
                   .rays = rays_.get(),
                   .tasks = &tasks_});
     raster_options_ = options;
@@ -391,8 +393,7 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
                      "the layers of the image");
     }
     try {
-        FrameCounters counters =
-            plan_.raster ? raster_->render(*state_, view, *buffers_, {}) : render_traced(view, request);
+        FrameCounters counters = plan_.raster ? render_raster(view) : render_traced(view, request);
         trace_centres(request);
         make_report(last.get());
         check_memory("the caches");
@@ -410,6 +411,19 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
         guard.succeed();
         throw;
     }
+}
+
+FrameCounters FrameEngine::render_raster(const scene::View& view)
+{
+    if (uses_environment()) raster_->use_environment(*environment_.of_frame(*state_, options_, true, false));
+    return raster_->render(*state_, view, *buffers_, {});
+}
+
+// Whether frames of the plan may light by an environment technique.
+bool FrameEngine::uses_environment() const
+{
+    if (plan_.raster) return raster_has_image_apart(*scene_, options_) || raster_has_suns_apart(*scene_, options_);
+    return plan_.shown == Shown::light;
 }
 
 // Fills the layers of ids and motion.

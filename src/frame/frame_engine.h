@@ -195,6 +195,8 @@ class FrameEngine {
     void discard_caches();
     void fit_caches(const RenderOptions& options);
     void fit_rasterizer(const RenderOptions& options);
+    FrameCounters render_raster(const scene::View& view);
+    bool uses_environment() const;
     FrameCounters render_traced(const scene::View& view, const RenderRequest& request);
     void check_memory(std::string_view what) const;
     void count_kdtree(FrameCounters& counters) const;

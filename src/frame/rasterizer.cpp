@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/check.h"
+#include "frame/raster_environment.h"
 #include "gnomon/error.h"
 #include "scene/emission.h"
 #ifdef GNOMON_VULKAN
@@ -17,8 +18,24 @@
 
 namespace gnomon::frame {
 
-bool raster_needs_rays(const scene::Scene& scene, ShadowTextures shadows)
+bool raster_has_image_apart(const scene::Scene& scene, const RenderOptions& options)
 {
+    return options.shadow_textures != ShadowTextures::off && scene.background.kind == scene::Background::Kind::image;
+}
+
+bool raster_has_suns_apart(const scene::Scene& scene, const RenderOptions& options)
+{
+    const auto is_sun = [](const scene::Light& light) {
+        return light.type == scene::LightType::directional && !light.of_environment;
+    };
+    return options.shadow_textures != ShadowTextures::off && options.sun_size > 0 &&
+           std::ranges::any_of(scene.lights, is_sun);
+}
+
+bool raster_needs_rays(const scene::Scene& scene, const RenderOptions& options)
+{
+    const ShadowTextures shadows = options.shadow_textures;
+    if (raster_has_image_apart(scene, options) || raster_has_suns_apart(scene, options)) return true;
     const auto needs = [](const scene::Material& m) { return scene::may_emit(m) || scene::thins_light(m); };
     return shadows != ShadowTextures::off && std::ranges::any_of(scene.materials, needs);
 }
@@ -58,11 +75,18 @@ class VulkanRasterizer final : public Rasterizer {
             direct->prove(*settings.rays, *settings.tasks);
         sized_ = direct.get();
         frame_.set_sized(std::move(direct));
+        if (settings.image_apart || settings.suns_apart) {
+            GNOMON_CHECK(settings.rays && settings.tasks);
+            auto surroundings = std::make_unique<RasterEnvironment>(device_, *settings.rays, *settings.tasks);
+            environment_ = surroundings.get();
+            frame_.set_surroundings(std::move(surroundings));
+        }
         if (settings.shadows == ShadowTextures::off || state.scene().lights.empty()) return;
         raster::ShadowOptions shadows;
         shadows.method = settings.shadows;
         shadows.look_up.filter = settings.shadow_filter;
         shadows.look_up.as_printed = settings.as_printed;
+        shadows.image_apart = settings.image_apart, shadows.suns_apart = settings.suns_apart;
         auto visibility = std::make_unique<raster::ShadowVisibility>(device_, state, shadows);
         views_ = &visibility->views();
         if (settings.rays && settings.tasks && settings.rays->thins_light())
@@ -72,6 +96,11 @@ class VulkanRasterizer final : public Rasterizer {
             frame_.set_visibility(std::move(visibility));
     }
     void update(const scene::SceneState& state) override { frame_.update(state); }
+    void use_environment(trace::EnvironmentTechnique& technique) override
+    {
+        GNOMON_CHECK(environment_);
+        environment_->use(technique);
+    }
     FrameCounters render(const scene::SceneState& state, const scene::View& view, shading::FrameBuffers& out,
                          const Progress& progress) override
     {
@@ -111,6 +140,7 @@ class VulkanRasterizer final : public Rasterizer {
     const irradiance_cache::IrradianceCache* visible_ = nullptr;   // owned by the frame's bounced light
     const light_views::LightViews* views_ = nullptr;               // owned by the frame's visibility
     const raster::SizedDirect* sized_ = nullptr;                   // owned by the frame
+    RasterEnvironment* environment_ = nullptr;                     // likewise; null: none is apart
 };
 
 }   // namespace

@@ -11,6 +11,7 @@
 #include "light_quadtree/map_light.h"
 #include "scene/view.h"
 #include "shading/frame_buffers.h"
+#include "trace/environment_lighting.h"
 
 namespace gnomon::frame {
 
@@ -29,15 +30,22 @@ struct RasterSettings {
     light_quadtree::MapLightOptions map{};   // for Indirect::rsm and quadtree
     irradiance_cache::CacheOptions visible{};
     IndirectOn indirect_on = IndirectOn::automatic;
-    // For Indirect::visible, and to prove what is visible of lights with size (else it is found from light views). The
-    // ray scene must follow the state before every update(); both outlive the rasterizer.
+    /// Environment images, and suns with a size, light as in traced frames: use_environment() will be called.
+    bool image_apart = false, suns_apart = false;
+    // For Indirect::visible, for environments, and to prove what is visible of lights with size (else it is found from
+    // light views). The ray scene must follow the state before every update(); both outlive the rasterizer.
     const ray::RayScene* rays = nullptr;
     Tasks* tasks = nullptr;
 };
 
-/// Whether a rasterizer of a scene needs a ray scene: it proves what is visible of lights with size, or finds what
-/// surfaces that thin light let through.
-bool raster_needs_rays(const scene::Scene& scene, ShadowTextures shadows);
+/// Whether rasterised frames of a scene find the light of its environment image as traced frames do: unless they have
+/// no shadows.
+bool raster_has_image_apart(const scene::Scene& scene, const RenderOptions& options);
+/// The same of its directional lights, which then have a size.
+bool raster_has_suns_apart(const scene::Scene& scene, const RenderOptions& options);
+/// Whether a rasterizer of a scene needs a ray scene: it lights by its surroundings, proves what is visible of lights
+/// with size, or finds what surfaces that thin light let through.
+bool raster_needs_rays(const scene::Scene& scene, const RenderOptions& options);
 
 class Rasterizer {
  public:
@@ -45,6 +53,9 @@ class Rasterizer {
 
     /// Follows one advance() of the state it was made from.
     virtual void update(const scene::SceneState& state) = 0;
+    /// Before every render(), with RasterSettings::image_apart or suns_apart.
+    /// @param technique  must outlive that frame
+    virtual void use_environment(trace::EnvironmentTechnique& technique) = 0;
     /// After an exception the rasterizer must not be used again.
     /// @throws MissingError      too little device memory, or the device was lost
     /// @throws InterruptedError  progress returned false

@@ -40,6 +40,9 @@ ViewedLights LightViews::lights_of(const scene::SceneState& state)
 int LightViews::views_of(const scene::Light& light) const
 {
     if (light.of_surface && !options_.of_surfaces) return 0;
+    if (light.type == scene::LightType::directional &&
+        !(light.of_environment ? options_.of_environment : options_.directional))
+        return 0;
     return view_count(light, bounds_, options_.projection);
 }
 

@@ -227,8 +227,8 @@ constexpr Option k_options[] = {
              "published in 2009, which can be wrong and depends on earlier frames"},
     {.name = "sun-size", .argument = "DEGREES", .kind = Kind::number, .fallback = "0", .range = ranges::sun_size,
      .subcommands = k_images, .group = k_shadows,
-     .help = "angular diameter of directional lights in traced frames, which gives their shadows soft edges; the sun's is "
-             "0.53, and 0 is a point"},
+     .help = "angular diameter of directional lights, which gives their shadows soft edges; the sun's is 0.53, and 0 is a "
+             "point"},
     {.name = "shadow-textures", .argument = "HOW", .kind = Kind::choice, .fallback = "items",
      .choices = k_choices<ShadowTextures>, .subcommands = k_images, .group = k_shadows,
      .help = "method for rasterised shadows. items: one item buffer for all receivers, redraw only what changed; "

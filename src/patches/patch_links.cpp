@@ -5,16 +5,14 @@
 #include <cmath>
 
 #include "base/interruption.h"
-#include "ray/origin.h"
+#include "patches/patch_rays.h"
 
 namespace gnomon::patches {
 
 namespace {
 
-constexpr std::size_t k_patches_at_once = 64;       // in a task that casts rays
-constexpr std::size_t k_patches_to_gather = 1024;   // in a task that sums
-constexpr int k_most_passes = 8;                    // through surfaces that do not block light
-constexpr float k_least_cosine = 1e-3f;
+constexpr std::size_t k_patches_at_once = 64;          // in a task that casts rays
+constexpr std::size_t k_patches_to_gather = 1024;      // in a task that sums
 constexpr double k_golden_angle = 2.399963229728653;   // radians
 // Ray r starts at place number k_order * r: neighbouring directions start far apart.
 constexpr std::size_t k_order = 13;
@@ -32,59 +30,32 @@ class Caster {
     Caster(const SurfacePatches& patches, const scene::SceneState& state, const ray::RayScene& rays)
         : patches_(patches), scene_(state.scene()), scene_rays_(rays)
     {
-        rays_.purpose = passing_.purpose = ray::RayClass::indirect;
     }
 
     void cast(PatchId first, PatchId last, const Surroundings& surroundings, PatchLinks& links)
     {
         rays_.clear();
         for (PatchId p = first; p < last; ++p) push(p);
-        hits_.resize(rays_.size());
-        scene_rays_.closest(rays_, 0, rays_.size(), hits_, ray::Sides::both, ray::Against::static_only);
-        pass_transparent();
+        rays_.trace(scene_, scene_rays_);
         const std::size_t first_ray = PatchLinks::k_rays * first;
-        if (!links.passes.empty()) find_passing(links.passes.data() + first_ray);
+        if (!links.passes.empty()) rays_.find_passing(scene_rays_, links.passes.data() + first_ray);
         const auto weight = static_cast<float>(k_pi / static_cast<double>(PatchLinks::k_rays));
         std::size_t r = 0;
         for (PatchId p = first; p < last; ++p)
             for (std::size_t k = 0; k < PatchLinks::k_rays; ++k, ++r) {
-                if (hits_.object[r] == scene::none) {
+                if (rays_.leaves(r)) {
                     if (!surroundings.any()) continue;
                     glm::vec3 light = weight * surroundings.radiance(rays_.direction(r));
                     if (!links.passes.empty()) light *= links.passes[first_ray + r];
                     links.surroundings[p] += light;
                     continue;
                 }
-                const Surface at = surface(r);
-                const bool front = glm::dot(at.normal, rays_.direction(r)) < 0;
-                const PatchId met =
-                    patches_.patch_at(scene_rays_, hits_.object[r], hits_.triangle[r], hits_.u[r], hits_.v[r], front,
-                                      at.position + (front ? at.lift : -at.lift) * at.normal);
+                const PatchId met = rays_.patch(patches_, scene_rays_, r);
                 if (met != k_no_patch) links.target[PatchLinks::k_rays * p + k] = static_cast<std::uint16_t>(met);
             }
     }
 
  private:
-    struct Surface {
-        glm::vec3 position, normal;   // the normal of the front
-        float lift;
-    };
-    Surface surface(std::size_t r) const
-    {
-        glm::vec3 p[3];
-        scene_rays_.geometry(hits_.object[r]).corners(hits_.triangle[r], p);
-        const float u = hits_.u[r], v = hits_.v[r];
-        return {std::max(0.0f, 1 - u - v) * p[0] + u * p[1] + v * p[2],
-                glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0])), ray::origin_lift(p)};
-    }
-    bool blocks(std::size_t r) const
-    {
-        if (hits_.object[r] == scene::none) return true;
-        const scene::Mesh& mesh = *scene_rays_.geometry(hits_.object[r]).mesh;
-        return scene_.materials[mesh.part_of(hits_.triangle[r]).material].surface_class() !=
-               scene::SurfaceClass::transparent;
-    }
-
     // Queues the rays of a patch, from places at equal steps of area.
     void push(PatchId p)
     {
@@ -104,48 +75,14 @@ class Caster {
             glm::vec3 x, y;
             make_basis(place.normal, x, y);
             const glm::vec3 d(direction_of(r, turn));
-            rays_.push(place.position, 0, d.x * x + d.y * y + d.z * place.normal, k_infinity);
-        }
-    }
-
-    // Finds the part of light that passes along each ray, up to where it ends.
-    void find_passing(glm::vec3* passes)
-    {
-        for (std::size_t r = 0; r < rays_.size(); ++r)
-            rays_.tfar[r] = hits_.object[r] == scene::none ? k_infinity : hits_.t[r];
-        scene_rays_.let_through(rays_, 0, rays_.size(), passes, ray::Against::static_only);
-    }
-
-    // Continues rays that met a surface that does not block light, behind it.
-    void pass_transparent()
-    {
-        for (int pass = 0; pass < k_most_passes; ++pass) {
-            passing_.clear(), passing_ray_.clear();
-            for (std::uint32_t r = 0; r < rays_.size(); ++r) {
-                if (blocks(r)) continue;
-                const Surface at = surface(r);
-                const float cosine = std::abs(glm::dot(at.normal, rays_.direction(r)));
-                passing_.push(rays_.origin(r), hits_.t[r] + at.lift / std::max(cosine, k_least_cosine),
-                              rays_.direction(r), k_infinity);
-                passing_ray_.push_back(r);
-            }
-            if (passing_.empty()) return;
-            next_.resize(passing_.size());
-            scene_rays_.closest(passing_, 0, passing_.size(), next_, ray::Sides::both, ray::Against::static_only);
-            for (std::size_t i = 0; i < passing_ray_.size(); ++i) {
-                const std::uint32_t r = passing_ray_[i];
-                hits_.t[r] = next_.t[i], hits_.u[r] = next_.u[i], hits_.v[r] = next_.v[i];
-                hits_.object[r] = next_.object[i], hits_.triangle[r] = next_.triangle[i];
-            }
+            rays_.push(place.position, d.x * x + d.y * y + d.z * place.normal);
         }
     }
 
     const SurfacePatches& patches_;
     const scene::Scene& scene_;
     const ray::RayScene& scene_rays_;
-    ray::RayQueue rays_, passing_;
-    ray::Hits hits_, next_;
-    std::vector<std::uint32_t> passing_ray_;
+    PatchRays rays_;
 };
 
 }   // namespace

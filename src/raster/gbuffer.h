@@ -18,12 +18,12 @@ struct GBuffer {
     vk::Image position;    // xyz: in the world; w: depth along the view's forward axis, 0 where there is no surface
     vk::Image normal;      // xyz: shading normal, unit, on the viewer's side; w: roughness, or Phong's exponent
     vk::Image geometric;   // xyz: geometric normal, likewise; w: coverage
-    vk::Image smooth;      // xyz: normal of the smooth horizon (ray/smooth_surface.h), likewise; w: height of the smooth
-                           // surface above the triangle, along it
-    vk::Image diffuse;     // xyz: reflectance; w: shading model (GNOMON_MODEL_...)
-    vk::Image specular;    // xyz: mirror reflectance at normal incidence
-    vk::Image ids;         // two 32-bit: object + 1 (0: nothing), triangle in the object's mesh
-    bool kept = false;     // the surfaces are those of the last frame
+    vk::Image smooth;     // xyz: normal of the smooth horizon (ray/smooth_surface.h), likewise; w: height of the smooth
+                          // surface above the triangle, along it
+    vk::Image diffuse;    // xyz: reflectance; w: shading model (GNOMON_MODEL_...)
+    vk::Image specular;   // xyz: mirror reflectance at normal incidence
+    vk::Image ids;        // two 32-bit: object + 1 (0: nothing), triangle in the object's mesh
+    bool kept = false;    // the surfaces are those of the last frame
 };
 
 /// Shadows. Called once for every batch of lights and every layer of surfaces (transparent surfaces come first, nearest
@@ -67,6 +67,34 @@ class BouncedLight {
 
     /// After the last fill of a frame.
     virtual FrameCounters::Indirect end_frame() = 0;
+};
+
+/// Direct light that the host finds: of environment images, and of directional lights that have a size. Called once for
+/// every layer of surfaces.
+class SurroundingLight {
+ public:
+    virtual ~SurroundingLight() = default;
+
+    /// Called once a frame, before any fill.
+    virtual void begin_frame(const scene::SceneState& state, const scene::View& view) = 0;
+    /// Whether it brings a light of the scene, or what that light approximates: nothing else must add it.
+    virtual bool brings(scene::LightId light) const = 0;
+    /// Whether it lights by an environment image.
+    virtual bool has_image() const = 0;
+    /// The irradiance by the image of a surface with this unit normal that sees everything above it.
+    /// @pre has_image()
+    virtual glm::vec3 open_irradiance(const glm::vec3& normal) const = 0;
+
+    /// Fills an image (four 32-bit floats; xyz: radiance towards the viewer, coverage included) at all surfaces of a
+    /// layer. May submit.
+    virtual void fill(vk::Commands& commands, const GBuffer& surfaces, const scene::View& view,
+                      const vk::Image& radiance) = 0;
+    /// By pixel of the last layer that was filled: the visible share of a directional light with a size. Empty for
+    /// others.
+    virtual std::span<const float> visible(scene::LightId light) const = 0;
+
+    /// After the last fill of a frame: adds its rays.
+    virtual void end_frame(FrameCounters& counters) = 0;
 };
 
 }   // namespace gnomon::raster

@@ -93,6 +93,7 @@ void RasterFrame::fit(Size size, const RasterOptions& options, std::size_t light
     fitting(direct_, optional(options.layers, "direct", k_wide_format, made));
     fitting(indirect_, optional(options.layers && bounced_, "indirect", k_wide_format, made));
     fitting(own_, optional(keeps_surfaces(options), "own light", k_wide_format, made));
+    fitting(surrounding_light_, optional(surroundings_ != nullptr, "light of surroundings", k_wide_format, made));
     fitting(irradiance_, optional(bounced_ != nullptr, "irradiance", k_wide_format, made));
     vk::ImageDesc visible = optional(visibility_ != nullptr, "light visibility", VK_FORMAT_R8_UNORM, made | drawn);
     visible.array = true;
@@ -148,6 +149,7 @@ FrameCounters RasterFrame::render(const scene::SceneState& state, const scene::V
     if (bounced_) counters.indirect = bounced_->end_frame();
     if (visibility_) visibility_->count(counters);
     if (sized_) counters.draws += sized_->draws();
+    if (surroundings_) surroundings_->end_frame(counters);
     return counters;
 }
 
@@ -163,8 +165,11 @@ void RasterFrame::begin_frame(const scene::SceneState& state, const scene::View&
             bounds.add(state.present_bounds().whole);
         unlimited_far_ = view.near + std::max(1.0f, bounds.diagonal() + glm::length(bounds.centre() - view.eye));
     }
-    const shared::RasterFrame constants = frame_constants(
-        *described_, view, !bounced_, !(bounced_ && bounced_->has_further_bounces()), options.backdrop_apart);
+    if (surroundings_) surroundings_->begin_frame(state, view);
+    surrounding_visible_ = {};
+    const shared::RasterFrame constants =
+        frame_constants(*described_, view, !bounced_, !(bounced_ && bounced_->has_further_bounces()),
+                        options.backdrop_apart, surroundings_.get());
     const vk::Upload upload = vk::upload_of(frame_, std::span<const shared::RasterFrame>(&constants, 1));
     commands_.upload("send view", {&upload, 1});
     if (bounced_) bounced_->update(commands_, scene_, state);
@@ -259,6 +264,8 @@ void RasterFrame::store_sample(const Drawn& drawn, const RasterOptions& options,
         for (std::size_t l = 0; l < lights; ++l)
             for (std::size_t i = 0; i < pixels; ++i)
                 out.shadow.data[i * lights + l] = values[l * lit_pixels(size_) + i];
+        for (std::size_t i = 0; i < surrounding_visible_.data.size(); ++i)
+            out.shadow.data[i] += surrounding_visible_.data[i];
     }
 }
 

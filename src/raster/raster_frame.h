@@ -5,7 +5,8 @@
 //   cull -> ids of opaque surfaces -> per layer: ids of transparent surfaces -> surfaces -> (shadows) -> lights
 //                                                                                -> (indirect light)
 //
-// Lights are points, spots and suns (LightVisibility says which reach a surface) and lights with size (SizedDirect).
+// Lights are points, spots and suns (LightVisibility says which reach a surface), lights with size (SizedDirect), and
+// environment images and suns with a size (SurroundingLight).
 //
 // Only ids (draw and triangle) are drawn. A compute pass then makes each pixel's surface from its triangle, by the
 // formulas and with the ray cone of the traced frame. So both frames see the same surface, texel and normal, and differ
@@ -54,6 +55,9 @@ class RasterFrame {
     void set_visibility(std::unique_ptr<LightVisibility> visibility) { visibility_ = std::move(visibility); }
     /// Direct light of lights with size from the next frame on; the lights that approximate surfaces are then left out.
     void set_sized(std::unique_ptr<SizedDirect> sized) { sized_ = std::move(sized); }
+    /// Light of surroundings from the next frame on, instead of the directional lights that approximate an environment
+    /// image; null: those light.
+    void set_surroundings(std::unique_ptr<SurroundingLight> light) { surroundings_ = std::move(light); }
     /// Indirect light from the next frame on; null: ambient light stands in for it.
     void set_bounced(std::unique_ptr<BouncedLight> bounced) { bounced_ = std::move(bounced); }
 
@@ -89,6 +93,7 @@ class RasterFrame {
     void resolve(const shared::ResolvePush& push);
     void light(const RasterOptions& options, const scene::View& view, bool layers);
     void light_by(std::uint32_t first, std::uint32_t end, const RasterOptions& options, bool layers);
+    void light_by_surroundings(const scene::View& view, const RasterOptions& options, bool layers);
     void bounce(const scene::View& view, bool layers);
     void clear(const vk::Image& image, float value);
     void copy(const vk::Image& from, const vk::Image& to);
@@ -101,13 +106,16 @@ class RasterFrame {
     std::unique_ptr<LightVisibility> visibility_;
     std::unique_ptr<BouncedLight> bounced_;
     std::unique_ptr<SizedDirect> sized_;
-    vk::Pipeline opaque_, masked_, peel_, resolve_, shade_, bounce_;
+    std::unique_ptr<SurroundingLight> surroundings_;
+    vk::Pipeline opaque_, masked_, peel_, resolve_, shade_, surrounding_, bounce_;
     vk::Buffer frame_, environment_, lit_;
 
     Size size_{};
     GBuffer surfaces_;
     vk::Image opaque_ids_, peeled_ids_, opaque_depth_, peel_depth_[2];
     vk::Image color_, direct_, indirect_, irradiance_, through_, share_, lights_visible_;
+    vk::Image surrounding_light_;       // radiance of the surfaces of a layer
+    ImageF surrounding_visible_;        // of the frame, by pixel and light; empty: no light has a visible share
     vk::Image own_;                     // background and emitted light of the surfaces that are kept
     std::vector<std::byte> kept_key_;   // what surfaces_ and own_ were made for, the scene apart; empty: nothing
     bool scene_changed_ = true;         // since they were made

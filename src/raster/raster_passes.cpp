@@ -14,6 +14,7 @@ using shared::BouncePush;
 using shared::DrawPush;
 using shared::ResolvePush;
 using shared::ShadePush;
+using shared::SurroundingPush;
 using vk::Use;
 
 constexpr std::uint32_t k_visibility_vert[] =
@@ -36,6 +37,9 @@ constexpr std::uint32_t k_resolve_comp[] =
     ;
 constexpr std::uint32_t k_shade_comp[] =
 #include "raster/shade.comp.inc"
+    ;
+constexpr std::uint32_t k_surrounding_comp[] =
+#include "raster/surrounding.comp.inc"
     ;
 constexpr std::uint32_t k_bounce_comp[] =
 #include "raster/bounce.comp.inc"
@@ -79,6 +83,9 @@ void RasterFrame::make_pipelines()
                     .code = {"shade.comp", k_shade_comp},
                     .blocks = vk::all_blocks(vk::shared_push<ShadePush>(), frame_block,
                                              std::vector{vk::shared_block<gpu_scene::shared::GpuLight>("lights")})});
+    surrounding_ = vk::Pipeline(device_, ComputeDesc{.name = "light of surroundings",
+                                                     .code = {"surrounding.comp", k_surrounding_comp},
+                                                     .blocks = {vk::shared_push<SurroundingPush>()}});
     bounce_ = vk::Pipeline(device_, ComputeDesc{.name = "bounced light",
                                                 .code = {"bounce.comp", k_bounce_comp},
                                                 .blocks = vk::all_blocks(vk::shared_push<BouncePush>(), frame_block)});
@@ -195,17 +202,47 @@ void RasterFrame::resolve(const ResolvePush& push)
         });
 }
 
-// Adds all lights. Where lights with size are lit by themselves, the lights that approximate them are left out.
+// Adds all lights. Where lights with size and surroundings light by themselves, the lights that approximate them are
+// left out.
 void RasterFrame::light(const RasterOptions& options, const scene::View& view, bool layers)
 {
     const std::vector<scene::Light>& lights = described_->lights;
-    const auto left_out = [&](std::uint32_t l) { return sized_ && lights[l].of_surface; };
+    const auto left_out = [&](std::uint32_t l) {
+        return (sized_ && lights[l].of_surface) || (surroundings_ && surroundings_->brings(l));
+    };
     const auto all = static_cast<std::uint32_t>(lights.size());
     for (std::uint32_t first = 0, end = 0; first < all; first = end) {
         for (end = first + 1; end < all && left_out(end) == left_out(first);) ++end;
         if (!left_out(first)) light_by(first, end, options, layers);
     }
     if (sized_) sized_->add(commands_, {surfaces_, share_, frame_, view}, color_, direct_, layers);
+    if (surroundings_) light_by_surroundings(view, options, layers);
+}
+
+void RasterFrame::light_by_surroundings(const scene::View& view, const RasterOptions& options, bool layers)
+{
+    // Surfaces that were kept have the light that they had: whatever changes in the scene makes them anew.
+    if (!surfaces_.kept) surroundings_->fill(commands_, surfaces_, view, surrounding_light_);
+    commands_.pass("light of surroundings")
+        .uses(surrounding_)
+        .binds("surroundings", surrounding_light_)
+        .binds("share", share_)
+        .binds("color", color_)
+        .binds("direct", direct_)
+        .compute([&](vk::Recorder& r) {
+            r.push(SurroundingPush{layers ? 1u : 0u});
+            r.dispatch_over(static_cast<std::uint32_t>(size_.width), static_cast<std::uint32_t>(size_.height));
+        });
+    if (!layers) return;
+    const std::size_t lights = described_->lights.size();
+    for (std::size_t l = 0; l < lights; ++l) {
+        const std::span<const float> visible = surroundings_->visible(static_cast<scene::LightId>(l));
+        if (visible.empty()) continue;
+        if (surrounding_visible_.data.empty())
+            surrounding_visible_ = ImageF(size_.width, size_.height, static_cast<int>(lights));
+        for (std::size_t i = 0; i < visible.size(); ++i)
+            surrounding_visible_.data[i * lights + l] += visible[i] / static_cast<float>(options.samples);
+    }
 }
 
 // Adds a run of lights, in batches where shadows are filled in. Of the layers of lit pixels a shader may get fewer at

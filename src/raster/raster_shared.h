@@ -24,6 +24,7 @@ struct RasterFrame {
     vec3 background_color, zenith, horizon, ground, sun_direction, sun_radiance;
     vec3 ambient;
     vec3 open_irradiance;   // of a level surface without objects; 0: surfaces that catch shadows are ordinary ones
+    uint surroundings_apart;   // the environment image's light comes from SurroundingLight
     uint backdrop_apart;    // what lies behind the scene goes to the image's fourth component: how much of it is seen
     uint environment_width, environment_height;
     vec3 harmonics[9];
@@ -63,14 +64,20 @@ struct BouncePush {
     uint layers;   // also add to the layer of indirect light
 };
 
+/// Push constants of adding the light of surroundings.
+struct SurroundingPush {
+    uint layers;   // also add to the layer of direct light
+};
+
 #ifdef __cplusplus
 GNOMON_MEMBERS(RasterFrame, eye, orthographic, right, width, up, height, forward, shift, pixel_spread, pixel_width,
                background, stand_in, background_color, zenith, horizon, ground, sun_direction, sun_radiance, ambient,
-               open_irradiance, backdrop_apart, environment_width, environment_height, harmonics)
+               open_irradiance, surroundings_apart, backdrop_apart, environment_width, environment_height, harmonics)
 GNOMON_MEMBERS(DrawPush, clip_from_offset, eye)
 GNOMON_MEMBERS(ResolvePush, sample_offset, weight, first, peeled, last)
 GNOMON_MEMBERS(ShadePush, first_light, light_count, shadowed, colors, layers, first_lit, lit_count, lit_pixels)
 GNOMON_MEMBERS(BouncePush, layers)
+GNOMON_MEMBERS(SurroundingPush, layers)
 #endif
 
 GNOMON_SHARED_END

@@ -57,14 +57,16 @@ shared::DrawPush draw_push(const scene::View& view, const glm::vec2& sample, flo
 
 // The irradiance of a level surface by what lies beyond the scene, as rasterised frames light by it. 0 before one
 // colour, unless that is not seen.
-static glm::vec3 open_irradiance(const scene::Scene& scene, bool apart)
+static glm::vec3 open_irradiance(const scene::Scene& scene, bool apart, const SurroundingLight* surroundings)
 {
+    const bool has_image = surroundings && surroundings->has_image();
     glm::vec3 sum(0);
     if (!apart && scene.background.kind == scene::Background::Kind::color) return sum;
     if (scene.background.kind == scene::Background::Kind::sky)
         sum += static_cast<float>(k_pi) * scene.background.ambient({0, 1, 0});
+    if (has_image) sum += surroundings->open_irradiance({0, 1, 0});
     for (const scene::Light& light : scene.lights) {
-        if (light.type != scene::LightType::directional) continue;
+        if (light.type != scene::LightType::directional || (has_image && light.of_environment)) continue;
         const glm::dvec3 back(scene.world_matrix(light.node, scene.timeline.start)[2]);
         sum += light.color * static_cast<float>(std::max(0.0, glm::normalize(back).y));
     }
@@ -72,7 +74,7 @@ static glm::vec3 open_irradiance(const scene::Scene& scene, bool apart)
 }
 
 shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View& view, bool stand_in, bool further,
-                                    bool apart)
+                                    bool apart, const SurroundingLight* surroundings)
 {
     const scene::Background& background = scene.background;
     shared::RasterFrame f{};
@@ -91,7 +93,8 @@ shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View
     f.sun_direction = background.sun_direction, f.sun_radiance = background.sun_radiance;
     f.ambient = scene.ambient;
     f.stand_in = stand_in ? 1 : 0;
-    f.open_irradiance = open_irradiance(scene, apart);
+    f.open_irradiance = open_irradiance(scene, apart, surroundings);
+    f.surroundings_apart = surroundings && surroundings->has_image() ? 1 : 0;
     f.backdrop_apart = apart ? 1 : 0;
     if (background.kind == scene::Background::Kind::image) {
         f.environment_width = static_cast<std::uint32_t>(background.environment->image().width);

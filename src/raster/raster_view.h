@@ -2,6 +2,7 @@
 #pragma once
 // A view as the rasteriser's passes take it: culling planes, the clip transform, and the constants of a frame.
 
+#include "raster/gbuffer.h"
 #include "raster/raster_shared.h"
 #include "scene/state.h"
 #include "scene/view.h"
@@ -20,7 +21,8 @@ shared::DrawPush draw_push(const scene::View& view, const glm::vec2& sample, flo
 /// @param stand_in  ambient light stands in for bounced light
 /// @param further   a sky's own colour stands in for light of further bounces
 /// @param apart     as RasterOptions::backdrop_apart
+/// @param surroundings  that light the frame; may be null
 shared::RasterFrame frame_constants(const scene::Scene& scene, const scene::View& view, bool stand_in, bool further,
-                                    bool apart);
+                                    bool apart, const SurroundingLight* surroundings);
 
 }   // namespace gnomon::raster

@@ -51,6 +51,7 @@ layout(push_constant, scalar) uniform Push { ResolvePush push; };
 vec3 unresolved_mirror(Surface s)
 {
     if (s.model != GNOMON_MODEL_METALLIC_ROUGHNESS || s.transmitted != vec3(0) || s.specular == vec3(0)) return vec3(0);
+    if (frame.surroundings_apart != 0) return vec3(0);
     const float cosine = clamp(dot(s.normal, s.to_viewer), 0, 1);
     const vec3 fresnel = rough_fresnel(s.specular, s.roughness, cosine);
     const float traced = traced_part(s.roughness);

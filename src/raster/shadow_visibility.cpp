@@ -31,6 +31,7 @@ light_views::LightViewsOptions view_options(const ShadowOptions& options)
     light_views::LightViewsOptions result;
     result.atlas = options.atlas;
     result.of_surfaces = false;   // lights with size light in closed form (sized_direct.h)
+    result.of_environment = !options.image_apart, result.directional = !options.suns_apart;
     return shadow_textures::view_options(options.method, result);
 }
 

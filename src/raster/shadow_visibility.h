@@ -23,6 +23,9 @@ struct ShadowOptions {
     shadow_textures::LookupOptions look_up;
     /// Finer than the default of light views, because the edges of shadows are seen closely here.
     light_views::AtlasOptions atlas{.view_size = 2048, .budget_texels = 1 << 25};
+    // Lights that SurroundingLight brings, and that have no shadows here: those of an environment image; others that
+    // are directional.
+    bool image_apart = false, suns_apart = false;
 };
 
 class ShadowVisibility final : public LightVisibility {

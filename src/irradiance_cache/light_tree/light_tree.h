@@ -96,6 +96,10 @@ class LightTree {
     /// a dynamic object occludes any light, by the value at id - first_patch() + 1 of patch_difference().
     NodeId first_patch() const { return patch_first_; }
     const Flux& patch_difference() const { return patch_difference_; }
+    /// Null: there are no patches.
+    const PatchLight* patch_light() const { return patches_.get(); }
+    /// The leaf that is a patch.
+    NodeId node_of(patches::PatchId patch) const { return patch_first_ + patches_->node(patch); }
     bool any_patch_differs() const { return patches_ && patches_->differs(); }
     /// For the other nodes.
     bool differs(NodeId id) const { return samples_.places[id].w != 0; }

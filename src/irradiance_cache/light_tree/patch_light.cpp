@@ -91,6 +91,9 @@ PatchLight::PatchLight(const scene::SceneState& state, const ray::RayScene& rays
       albedo_(patches_.albedo(state.scene(), rays, tasks))
 {
     for (const patches::Patch& patch : patches_.patches()) area_.push_back(patch.area);
+    node_.resize(area_.size());
+    for (std::uint32_t n = 0; n < tree_.patch.size(); ++n)
+        if (tree_.patch[n] != patches::k_no_patch) node_[tree_.patch[n]] = n;
 }
 
 int PatchLight::sweeps() const
@@ -159,7 +162,7 @@ void PatchLight::light_now(std::span<const glm::vec3> lost, Tasks& tasks)
 std::size_t PatchLight::bytes() const
 {
     return patches_.bytes() + links_.bytes() + emission_.bytes() + tree_.children.size() * 2 * sizeof(std::uint32_t) +
-           area_.size() * (sizeof(float) + 3 * sizeof(glm::vec3));
+           area_.size() * (sizeof(float) + sizeof(std::uint32_t) + 3 * sizeof(glm::vec3));
 }
 
 }   // namespace gnomon::irradiance_cache

@@ -52,6 +52,8 @@ class PatchLight {
     bool bounces() const { return options_.bounces > 1; }
     const patches::SurfacePatches& patches() const { return patches_; }
     const PatchTree& tree() const { return tree_; }
+    /// The node of that tree that is a patch.
+    std::uint32_t node(patches::PatchId patch) const { return node_[patch]; }
 
     /// Follows one advance() of the state.
     /// @return  whether the light without dynamic objects changed
@@ -81,6 +83,7 @@ class PatchLight {
     patches::PatchLinks links_;
     patches::PatchEmission emission_;
     PatchTree tree_;
+    std::vector<std::uint32_t> node_;   // by patch
     std::vector<glm::vec3> albedo_;
     std::vector<float> area_;
     double all_ = 0;   // the flux of all static light

@@ -45,6 +45,7 @@ void StaticVisibility::clear()
 {
     added_.clear();
     rays_.clear();
+    near_.clear();
     nodes_.clear();
     weights_.clear();
 }
@@ -52,25 +53,33 @@ void StaticVisibility::clear()
 void StaticVisibility::add(const CacheFrame& frame, CachePoint& point, std::span<const NodeId> cut,
                            std::span<const float> weight)
 {
+    const float radius = has_near_field(frame, point) ? frame.near_field.light().options().radius : 0;
+    added_.push_back({&point, nodes_.size(), NearPatches::k_none});
+    point.tint = glm::vec3(1);
+    if (frame.lights.patch_light() && point.owner == k_no_owner) {
+        cut_.assign(cut.begin(), cut.end()), cut_weights_.assign(weight.begin(), weight.end());
+        added_.back().near = near_.divide(frame.lights, point, cut_, cut_weights_);
+        cut = cut_, weight = cut_weights_;
+    }
+    for (std::size_t k = 0; k < cut.size(); ++k) add_node(frame, point, cut[k], weight[k], radius);
+}
+
+// Queues a ray to a node.
+// @param radius  of the near field, which is that of light maps
+void StaticVisibility::add_node(const CacheFrame& frame, const CachePoint& point, NodeId node, float weight,
+                                float radius)
+{
     // The sum is irradiance for the point's own normal. For other normals it must stay bounded at grazing angles.
     constexpr float k_least_cosine = 0.1f;
-    const bool near_field = has_near_field(frame, point);
-    const float radius = frame.near_field.light().options().radius;
-    added_.push_back({&point, nodes_.size()});
-    point.tint = glm::vec3(1);
-    for (std::size_t k = 0; k < cut.size(); ++k) {
-        const glm::vec3 to = frame.lights.samples().at(cut[k]) - point.origin();
-        const float distance = glm::length(to);
-        const float cosine = glm::dot(to, point.normal) / distance;
-        if (!(glm::dot(to, point.horizon) > 0) || !(cosine > 0)) continue;
-        // Near light is that of light maps.
-        const bool of_patch = cut[k] >= frame.lights.first_patch();
-        const float fraction = near_field && !of_patch ? far_fraction(distance, radius) : 1;
-        if (!(fraction > 0)) continue;
-        rays_.push(point.origin(), 0, to, frame.lights.ray_end());
-        nodes_.push_back(cut[k]);
-        weights_.push_back(fraction * weight[k] / std::max(cosine, k_least_cosine));
-    }
+    const glm::vec3 to = frame.lights.samples().at(node) - point.origin();
+    const float distance = glm::length(to);
+    const float cosine = glm::dot(to, point.normal) / distance;
+    if (!(glm::dot(to, point.horizon) > 0) || !(cosine > 0)) return;
+    const float fraction = node < frame.lights.first_patch() ? far_fraction(distance, radius) : 1;
+    if (!(fraction > 0)) return;
+    rays_.push(point.origin(), 0, to, frame.lights.ray_end());
+    nodes_.push_back(node);
+    weights_.push_back(fraction * weight / std::max(cosine, k_least_cosine));
 }
 
 // Multiplies the weights of visible nodes by what static surfaces that thin light let through, and finds the points'

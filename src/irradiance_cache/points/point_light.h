@@ -10,6 +10,7 @@
 
 #include "irradiance_cache/cache_frame.h"
 #include "irradiance_cache/points/cache_point.h"
+#include "irradiance_cache/points/near_patches.h"
 
 namespace gnomon::irradiance_cache {
 
@@ -29,7 +30,7 @@ class StaticVisibility {
  public:
     StaticVisibility() { rays_.purpose = ray::RayClass::indirect; }
     void clear();
-    std::size_t rays() const { return rays_.size(); }
+    std::size_t rays() const { return rays_.size() + near_.rays(); }
     /// Adds a point with its cut: the nodes, and what a unit of flux of each brings.
     void add(const CacheFrame& frame, CachePoint& point, std::span<const NodeId> cut, std::span<const float> weight);
     /// Traces a ray to each node, and calls store(point, nodes) in order, where `nodes` are those that are visible.
@@ -45,8 +46,13 @@ class StaticVisibility {
     struct Added {
         CachePoint* point;
         std::size_t first;   // of its rays
+        std::size_t near;    // its number among points with near patches, or NearPatches::k_none
     };
+    void add_node(const CacheFrame& frame, const CachePoint& point, NodeId node, float weight, float radius);
     std::vector<Added> added_;
+    NearPatches near_;
+    std::vector<NodeId> cut_;   // of one point
+    std::vector<float> cut_weights_;
     ray::RayQueue rays_;
     std::vector<NodeId> nodes_;    // by ray
     std::vector<float> weights_;   // by ray
@@ -96,12 +102,19 @@ void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTeste
 {
     tester.test(rays_, ray::Against::static_only, occluded_, counters);
     if (frame.rays->thins_light()) thin_nodes(frame);
+    near_.trace(frame);
+    counters.rays += near_.rays();
+    glm::vec3 rest[3] = {};
     for (std::size_t a = 0; a < added_.size(); ++a) {
         const std::size_t last = a + 1 < added_.size() ? added_[a + 1].first : rays_.size();
         seen_.clear();
         for (std::size_t r = added_[a].first; r < last; ++r)
             if (!occluded_[r]) seen_.push_back(pack_seen(nodes_[r], weights_[r]));
-        store(*added_[a].point, std::span<const SeenNode>(seen_));
+        CachePoint& point = *added_[a].point;
+        const bool near = added_[a].near != NearPatches::k_none;
+        if (near) near_.find(frame, point, added_[a].near, seen_, rest);
+        store(point, std::span<const SeenNode>(seen_));
+        for (int colour = 0; near && colour < 3; ++colour) point.static_light[colour] += rest[colour];
         counters.nodes += seen_.size();
     }
     counters.new_points += added_.size();

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bounced light at the foot of a wall, where patches are wider than they are far away, against the path-traced
+// reference in absolute units.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "gnomon/gnomon.h"
+
+namespace gnomon {
+namespace {
+
+// A white block on a white floor under an even sky, seen closely where they meet.
+Scene foot_of_a_block()
+{
+    SceneBuilder builder;
+    const std::vector<Vec3> square{{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0.5f, 0, 0.5f}, {-0.5f, 0, 0.5f}};
+    const std::vector<std::uint32_t> up{0, 2, 1, 0, 3, 2};
+    const MaterialId white = builder.material({.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .ior = 1});
+    const MeshId sheet = builder.mesh({.positions = square, .indices = up});
+    builder.instance(sheet, white, Transform::scaling(4, 1, 4));
+    constexpr double k_quarter = 1.5707963267948966;
+    builder.instance(
+        sheet, white,
+        Transform::translation(0, 0.5, 0) * Transform::rotation({1, 0, 0}, k_quarter) * Transform::scaling(2, 1, 1));
+    builder.instance(sheet, white, Transform::translation(0, 1, -0.5) * Transform::scaling(2, 1, 1));
+    const std::vector<float> sky(2 * 3, 1.0f);
+    builder.environment({.width = 2, .height = 1, .pixels = sky});
+    Camera camera;
+    camera.transform = Transform::look_at({0.35f, 0.35f, 1.2f}, {0.3f, 0, 0});
+    camera.vertical_fov = 0.25;
+    builder.camera(camera);
+    return builder.finish();
+}
+
+std::vector<float> indirect_of(const Frame& frame)
+{
+    for (const Layer& layer : frame.layers)
+        if (layer.name == "indirect") return layer.copy();
+    throw std::runtime_error("no layer of indirect light");
+}
+
+// Means of blocks of 4 x 4 pixels of one colour.
+std::vector<double> blocks(const std::vector<float>& image, int size)
+{
+    std::vector<double> means;
+    for (int y = 0; y < size; y += 4)
+        for (int x = 0; x < size; x += 4) {
+            double sum = 0;
+            for (int i = 0; i < 16; ++i)
+                sum += static_cast<double>(image[static_cast<std::size_t>(3 * ((y + i / 4) * size + x + i % 4))]);
+            means.push_back(sum / 16);
+        }
+    return means;
+}
+
+TEST(NearPatches, LightAtTheFootOfAWallIsThatOfTheReference)
+{
+    constexpr int k_size = 48;
+    const Scene scene = foot_of_a_block();
+    RenderOptions options;
+    options.size = {k_size, k_size};
+    options.layers = true;
+    options.bounces = 2;
+    const std::vector<float> image = indirect_of(Renderer(options).render(scene, 1));
+    options.reference = ReferenceLightOptions{400, 2, 0};
+    const std::vector<double> truth = blocks(indirect_of(Renderer(options).render(scene, 1)), k_size),
+                              got = blocks(image, k_size);
+    double square = 0, sum = 0, sum_truth = 0, most = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+        const double error = got[i] - truth[i];
+        square += error * error, sum += got[i], sum_truth += truth[i];
+        most = std::max(most, std::abs(error) / truth[i]);
+    }
+    const double mean = sum_truth / static_cast<double>(truth.size());
+    RecordProperty("nrmse", std::to_string(std::sqrt(square / static_cast<double>(truth.size())) / mean));
+    RecordProperty("most", std::to_string(most));
+    RecordProperty("energy", std::to_string(sum / sum_truth));
+    EXPECT_GT(mean, 0.05);
+    // Without near patches: .033, and .085 at most.
+    EXPECT_LE(std::sqrt(square / static_cast<double>(truth.size())) / mean, 0.027);
+    EXPECT_LE(most, 0.065);
+    EXPECT_NEAR(sum / sum_truth, 1, 0.03);
+    // No row of pixels is darker than both its neighbours.
+    for (int x = 0; x < k_size; ++x)
+        for (int y = 1; y + 1 < k_size; ++y) {
+            const auto at = [&](int row) { return image[static_cast<std::size_t>(3 * (row * k_size + x))]; };
+            EXPECT_GT(at(y), 0.85f * std::min(at(y - 1), at(y + 1))) << x << ' ' << y;
+        }
+}
+
+}   // namespace
+}   // namespace gnomon
