@@ -226,7 +226,7 @@ void EnvironmentLighting::see_between(const PlaceLattice::Around& around)
             const bool whole = (seen.of(around.place[i])[leaf / 64] >> (leaf % 64) & 1) != 0;
             share += around.weight[i] * (at != partial.end() && at->leaf == leaf ? at->share : whole ? 1.0f : 0.0f);
         }
-        between_partial_.push_back({leaf, std::min(share, 1.0f)});
+        between_partial_.push_back({leaf, std::clamp(share, 0.0f, 1.0f)});
         const std::uint64_t bit = std::uint64_t{1} << (leaf % 64);
         between_mask_[leaf / 64] = share >= 0.5f ? between_mask_[leaf / 64] | bit : between_mask_[leaf / 64] & ~bit;
     }
