@@ -38,7 +38,8 @@ double arc_tangent_ratio(double z)
 {
     if (z < 0.0025) return 1 - z * (1 / 3.0 - z * (1 / 5.0 - z * (1 / 7.0 - z * (1 / 9.0 - z * (1 / 11.0)))));
     double sum = 1 / 21.0;
-    for (const double term : {1 / 19.0, 1 / 17.0, 1 / 15.0, 1 / 13.0, 1 / 11.0, 1 / 9.0, 1 / 7.0, 1 / 5.0, 1 / 3.0, 1.0})
+    for (const double term :
+         {1 / 19.0, 1 / 17.0, 1 / 15.0, 1 / 13.0, 1 / 11.0, 1 / 9.0, 1 / 7.0, 1 / 5.0, 1 / 3.0, 1.0})
         sum = term - z * sum;
     return sum;
 }
