@@ -31,6 +31,9 @@ struct AreaOptions {
     std::size_t hopeless = 96;         // with more, a part that can be divided is divided at once
     std::size_t longest_list = 2048;   // of a listed part
     int most_levels = 9;
+    // Of a cluster: nothing is proven for parts whose longest edge is below this fraction of the extent of all static
+    // triangles. So few points lie on them that rays cost less than proofs.
+    double least_part = 0.02;
     std::size_t most_bytes = 256u << 20;   // of all lights' parts; with more, everything is forgotten (AreaVisibility)
 };
 

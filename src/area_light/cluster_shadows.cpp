@@ -86,6 +86,8 @@ ClusterShadows::Verdict ClusterShadows::judge(TriangleId triangle, bool front, c
         verdict.state = PartState::unlit;
         return verdict;
     }
+    const double least = options_.least_part * static_cast<double>(triangles_.bounds().diagonal());
+    if (piece.size < least) return verdict;
 
     // Find what may meet the shaft.
     const auto take = [&](TriangleId id) {
@@ -98,8 +100,8 @@ ClusterShadows::Verdict ClusterShadows::judge(TriangleId triangle, bool front, c
         triangles_.visit([&](const glm::vec3& low, const glm::vec3& high) { return shaft.may_meet(low, high); }, take);
 
     // Among very many triangles, nothing is proven for a part that could be smaller.
-    const bool divides =
-        static_cast<int>(level) < options_.most_levels && piece.size > options_.coarse * bounds_.diagonal();
+    const bool divides = static_cast<int>(level) < options_.most_levels && piece.size >= 2 * least &&
+                         piece.size > options_.coarse * bounds_.diagonal();
     if (verdict.list.size() > options_.hopeless && divides) {
         verdict.divides = true;
         return verdict;

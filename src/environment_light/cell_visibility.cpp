@@ -538,6 +538,27 @@ void CellVisibility::cover(Scratch& scratch, const glm::vec3& from, float from_r
     }
 }
 
+// Leaves of the wanted cells those that stand in for others, and those whose stand-in lies below the surface.
+void CellVisibility::leave_stand_ins(const Query& query, std::size_t k) const
+{
+    const auto above = query.of(query.scratch.above, k), wanted = query.of(query.scratch.wanted, k);
+    for_each_bit(wanted, [&](std::size_t leaf) {
+        const std::size_t stand_in = cells_.stand_in_of(leaf);
+        if (stand_in != leaf && has(above, stand_in)) wanted[leaf / 64] &= ~(std::uint64_t{1} << (leaf % 64));
+    });
+}
+
+// Takes away the cells whose stand-ins were found hidden.
+void CellVisibility::follow_hidden(const Query& query, std::size_t k) const
+{
+    const auto above = query.of(query.scratch.above, k);
+    const auto mask = query.seen.of(k);
+    for_each_bit(mask, [&](std::size_t leaf) {
+        const std::size_t stand_in = cells_.stand_in_of(leaf);
+        if (has(above, stand_in) && !has(mask, stand_in)) mask[leaf / 64] &= ~(std::uint64_t{1} << (leaf % 64));
+    });
+}
+
 // Takes away what dynamic objects hide from points of static ones.
 void CellVisibility::test_dynamic(const Query& query) const
 {
@@ -557,7 +578,10 @@ void CellVisibility::test_dynamic(const Query& query) const
         for (const std::uint32_t b : block) {
             for (std::size_t w = 0; w < words; ++w)
                 scratch.wanted[b * words + w] = query.seen.of(b)[w] & scratch.affected[w];
-            divide_affected(query, b);
+            if (query.coarse(b) && !cells_.families().empty())
+                leave_stand_ins(query, b);
+            else
+                divide_affected(query, b);
         }
         push_rays(query, block);
         block.clear();
@@ -565,6 +589,8 @@ void CellVisibility::test_dynamic(const Query& query) const
             flush(query, ray::Against::dynamic_only, false, scratch.counters.dynamic_rays);
     }
     flush(query, ray::Against::dynamic_only, false, scratch.counters.dynamic_rays);
+    for (std::size_t k = 0; k < query.count(); ++k)
+        if (scratch.asked[k].is_static && query.coarse(k) && !cells_.families().empty()) follow_hidden(query, k);
     take_dynamic_parts(query);
 }
 

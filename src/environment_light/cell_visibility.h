@@ -190,6 +190,8 @@ class CellVisibility {
     void follow(const Query& query, std::size_t k, std::size_t first, std::size_t leaves, bool some_seen,
                 bool some_hidden) const;
     void test_dynamic(const Query& query) const;
+    void leave_stand_ins(const Query& query, std::size_t k) const;
+    void follow_hidden(const Query& query, std::size_t k) const;
     void decide_wanted(const Query& query, int pass) const;
     void push_rays(const Query& query, std::span<const std::uint32_t> block) const;
     void flush(const Query& query, ray::Against against, bool sets, std::uint64_t& count) const;

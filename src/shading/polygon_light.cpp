@@ -33,16 +33,52 @@ Clipped clip(const Clipped& from, const glm::dvec3& normal)
     return to;
 }
 
+// atan(t) / t by its series. @param z  t squared, up to .04
+double arc_tangent_ratio(double z)
+{
+    if (z < 0.0025) return 1 - z * (1 / 3.0 - z * (1 / 5.0 - z * (1 / 7.0 - z * (1 / 9.0 - z * (1 / 11.0)))));
+    double sum = 1 / 21.0;
+    for (const double term :
+         {1 / 19.0, 1 / 17.0, 1 / 15.0, 1 / 13.0, 1 / 11.0, 1 / 9.0, 1 / 7.0, 1 / 5.0, 1 / 3.0, 1.0})
+        sum = term - z * sum;
+    return sum;
+}
+
+// The angle between two directions over its sine times their lengths, from the square of that product, their scalar
+// product and the product of their lengths. By the tangent of half the angle, which is halved until its series is
+// short: many times as fast as an arc tangent that is right to the last bit.
+double angle_over_sine(double sine2, double dot, double lengths)
+{
+    constexpr double k_short = 0.04;      // square of the tangent up to which the series is
+    constexpr double k_straight = 1e-9;   // of the angle to a straight one, for which the tangent is too large
+    const double adjacent = lengths + dot;
+    if (!(adjacent > k_straight * lengths)) {
+        const double sine = std::sqrt(sine2);
+        return std::atan2(sine, dot) / sine;
+    }
+    const double inverse = 1 / adjacent;
+    double z = sine2 * inverse * inverse;
+    if (z <= k_short) return 2 * inverse * arc_tangent_ratio(z);
+    double t = std::sqrt(z), factor = 2;
+    while (z > k_short) t /= 1 + std::sqrt(1 + z), z = t * t, factor *= 2;
+    return factor * t * arc_tangent_ratio(z) / std::sqrt(sine2);
+}
+
 // The form factor of a polygon above the horizon of `normal`, up to its sign: Lambert's sum over the edges.
 double form_factor(const Clipped& polygon, const glm::dvec3& normal)
 {
+    std::array<double, 8> square;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(polygon.count); ++i)
+        square[i] = glm::dot(polygon.corner[i], polygon.corner[i]);
     double sum = 0;
     for (int i = 0; i < polygon.count; ++i) {
-        const glm::dvec3& a = polygon.corner[static_cast<std::size_t>(i)];
-        const glm::dvec3& b = polygon.corner[static_cast<std::size_t>((i + 1) % polygon.count)];
+        const auto from = static_cast<std::size_t>(i), to = static_cast<std::size_t>((i + 1) % polygon.count);
+        const glm::dvec3 &a = polygon.corner[from], &b = polygon.corner[to];
         const glm::dvec3 cross = glm::cross(a, b);
-        const double sine = glm::length(cross);
-        if (sine > 0) sum += std::atan2(sine, glm::dot(a, b)) / sine * glm::dot(normal, cross);
+        const double sine2 = glm::dot(cross, cross);
+        if (sine2 > 0)
+            sum +=
+                angle_over_sine(sine2, glm::dot(a, b), std::sqrt(square[from] * square[to])) * glm::dot(normal, cross);
     }
     return std::abs(sum) / (2 * k_pi);
 }
@@ -56,36 +92,11 @@ Clipped transformed(const Clipped& from, const glm::dmat3& matrix)
     return to;
 }
 
-// The lobe of a point in world space.
-struct Lobe {
-    glm::dmat3 to_cosine{1};
-    double scale = 1;
-    glm::vec3 albedo{0};   // coverage included
-
-    explicit Lobe(const SurfacePoint& s)
-    {
-        const glm::dvec3 z(s.normal), view(s.to_viewer);
-        const double n_v = glm::dot(z, view);
-        glm::dvec3 x = view - n_v * z;
-        const double length = glm::length(x);
-        if (length > 1e-6) {
-            x /= length;
-        } else {
-            glm::vec3 any, other;
-            make_basis(s.normal, any, other);
-            x = glm::normalize(glm::dvec3(any) - glm::dot(glm::dvec3(any), z) * z);
-        }
-        const TransformedCosine cosine = transformed_cosine(static_cast<float>(n_v), s.roughness);
-        to_cosine = cosine.to_cosine * glm::transpose(glm::dmat3(x, glm::cross(z, x), z));
-        scale = cosine.scale;
-        albedo = glossy_albedo(s) * s.coverage;
-    }
-    double share(const Clipped& polygon) const
-    {
-        constexpr glm::dvec3 up(0, 0, 1);
-        return std::min(1.0, scale * form_factor(clip(transformed(polygon, to_cosine), up), up));
-    }
-};
+double share_of(const PolygonLobe& lobe, const Clipped& polygon)
+{
+    constexpr glm::dvec3 up(0, 0, 1);
+    return std::min(1.0, lobe.scale * form_factor(clip(transformed(polygon, lobe.to_cosine), up), up));
+}
 
 // Whether a face emits towards a point: the point is in front of it (or behind a two-sided one), and farther from its
 // plane than rounding may put a point of the face itself.
@@ -119,15 +130,12 @@ bool clip_at_horizons(const SurfacePoint& s, Clipped& polygon)
 // Adds up what the parts of faces give.
 class Sum {
  public:
-    Sum(const SurfacePoint& s, bool lobe) : s_(s)
-    {
-        if (lobe) lobe_.emplace(s);
-    }
+    Sum(const SurfacePoint& s, const PolygonLobe* lobe) : s_(s), lobe_(lobe) {}
     void add(Clipped polygon, const glm::vec3& radiance)
     {
         if (radiance == glm::vec3(0) || !clip_at_horizons(s_, polygon)) return;
         irradiance_ += k_pi * form_factor(polygon, glm::dvec3(s_.normal)) * glm::dvec3(radiance);
-        if (lobe_) reflected_ += lobe_->share(polygon) * glm::dvec3(radiance);
+        if (lobe_) reflected_ += share_of(*lobe_, polygon) * glm::dvec3(radiance);
     }
     UnshadowedLight result() const
     {
@@ -139,7 +147,7 @@ class Sum {
 
  private:
     const SurfacePoint& s_;
-    std::optional<Lobe> lobe_;
+    const PolygonLobe* lobe_;
     glm::dvec3 irradiance_{0}, reflected_{0};
 };
 
@@ -186,7 +194,34 @@ glm::vec3 ratio(const glm::dvec3& part, const glm::dvec3& whole)
 
 }   // namespace
 
+PolygonLobe::PolygonLobe(const SurfacePoint& s)
+{
+    const glm::dvec3 z(s.normal), view(s.to_viewer);
+    const double n_v = glm::dot(z, view);
+    glm::dvec3 x = view - n_v * z;
+    const double length = glm::length(x);
+    if (length > 1e-6) {
+        x /= length;
+    } else {
+        glm::vec3 any, other;
+        make_basis(s.normal, any, other);
+        x = glm::normalize(glm::dvec3(any) - glm::dot(glm::dvec3(any), z) * z);
+    }
+    const TransformedCosine cosine = transformed_cosine(static_cast<float>(n_v), s.roughness);
+    to_cosine = cosine.to_cosine * glm::transpose(glm::dmat3(x, glm::cross(z, x), z));
+    scale = cosine.scale;
+    albedo = glossy_albedo(s) * s.coverage;
+}
+
 UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light, bool lobe,
+                           const PolygonLightOptions& options)
+{
+    if (!lobe) return unshadowed(s, light, nullptr, options);
+    const PolygonLobe own(s);
+    return unshadowed(s, light, &own, options);
+}
+
+UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light, const PolygonLobe* lobe,
                            const PolygonLightOptions& options)
 {
     // Nothing of a light behind the horizon arrives.
@@ -194,9 +229,10 @@ UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light
     if (glm::dot(to_centre, s.smooth_normal) < -light.radius || glm::dot(to_centre, s.normal) < -light.radius)
         return {};
 
-    // Sum a distant cluster of many faces over its places.
-    if (light.faces.size() > light.places.size() && glm::length(to_centre) > options.far * light.radius) {
-        const PlaceWeights weights(s, light, lobe, 0);
+    // Sum a distant light of many polygons over its places.
+    const std::size_t polygons = std::max(light.faces.size(), light.cell_radiance.size());
+    if (polygons > light.places.size() && glm::length(to_centre) > options.far * light.radius) {
+        const PlaceWeights weights(s, light, lobe != nullptr, 0);
         UnshadowedLight sum;
         glm::vec3 irradiance(0), reflected(0);
         for (const scene::SizedPlace& place : light.places)

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include "shading/glossy.h"
@@ -62,19 +65,37 @@ std::vector<Direction> directions(const SurfacePoint& s)
     return result;
 }
 
+// The natural logarithm of a normal number above 0, within 1e-13 of its magnitude or of 1, without a call: a fit needs
+// millions of them.
+double logarithm(double x)
+{
+    constexpr std::uint64_t k_root_half = 0x3fe6a09e667f3bcd, k_mantissa = 0x000fffffffffffff;
+    const std::uint64_t above = std::bit_cast<std::uint64_t>(x) - k_root_half;
+    const auto exponent = static_cast<std::int32_t>(static_cast<std::int64_t>(above) >> 52);
+    // m in [sqrt(1/2), sqrt(2)): log m = 2 artanh t
+    const double m = std::bit_cast<double>((above & k_mantissa) + k_root_half);
+    const double t = (m - 1) / (m + 1), t2 = t * t;
+    double series = 1.0 / 17;
+    for (const double term : {1.0 / 15, 1.0 / 13, 1.0 / 11, 1.0 / 9, 1.0 / 7, 1.0 / 5, 1.0 / 3, 1.0})
+        series = series * t2 + term;
+    return exponent * std::numbers::ln2 + 2 * t * series;
+}
+
 // Minus the mean logarithm of the transformed distribution (without its constant).
 double misfit(const std::vector<Direction>& lobe, double alpha, double mirror_angle, const Fit& f)
 {
     const glm::dmat3 inverse = glm::inverse(matrix(alpha, mirror_angle, f));
     const double determinant = std::abs(glm::determinant(inverse));
-    double product_sum = 0;
-    for (const Direction& d : lobe) {
-        const glm::dvec3 w = inverse * d.at;
+    std::array<double, k_side * k_side> terms;
+    for (std::size_t i = 0; i < lobe.size(); ++i) {
+        const glm::dvec3 w = inverse * lobe[i].at;
         const double square = glm::dot(w, w);
         // D = cos(w) / |w|^3 * |M^-1|, with cos(w) = w.z / |w|
         const double density = w.z > 0 ? w.z / (square * square) * determinant : 0;
-        product_sum += d.weight * std::log(std::max(density, 1e-30));
+        terms[i] = lobe[i].weight * logarithm(std::max(density, 1e-30));
     }
+    double product_sum = 0;
+    for (std::size_t i = 0; i < lobe.size(); ++i) product_sum += terms[i];
     return -product_sum;
 }
 
@@ -140,14 +161,19 @@ Point search(const std::vector<Direction>& lobe, double alpha, double mirror_ang
 // The fraction of the transformed cosine that lies above the surface: all directions of the cosine, transformed.
 double kept(double alpha, double mirror_angle, const Fit& f)
 {
+    constexpr int side = 32;
+    static const std::vector<glm::dvec3> k_cosine = [] {
+        std::vector<glm::dvec3> directions;
+        for (int i = 0; i < side; ++i)
+            for (int j = 0; j < side; ++j) {
+                const double u = (i + 0.5) / side, phi = 2 * k_pi * (j + 0.5) / side, r = std::sqrt(u);
+                directions.emplace_back(r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - u));
+            }
+        return directions;
+    }();
     const glm::dmat3 m = matrix(alpha, mirror_angle, f);
     int above = 0;
-    constexpr int side = 32;
-    for (int i = 0; i < side; ++i)
-        for (int j = 0; j < side; ++j) {
-            const double u = (i + 0.5) / side, phi = 2 * k_pi * (j + 0.5) / side, r = std::sqrt(u);
-            above += (m * glm::dvec3(r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - u))).z > 0;
-        }
+    for (const glm::dvec3& direction : k_cosine) above += (m * direction).z > 0;
     return static_cast<double>(above) / (side * side);
 }
 

@@ -2,6 +2,7 @@
 #include "trace/environment_lighting.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <numeric>
 
@@ -20,6 +21,17 @@ constexpr std::size_t k_least_guides = 3;   // of the four around a point, that 
 constexpr float k_least_alignment = 0.8f;   // cosine between the normals of a point and its guides
 constexpr float k_most_footprints = 12;     // between them, in widths of a pixel on the surface
 constexpr float k_least_cosine = 0.1f;      // of the view, for that width
+constexpr std::uint32_t k_between = 0xffffffff;
+// Of a path: up to here, a point that no others guide and that guides none is answered coarsely. A cell that is wrong
+// is a hundredth of its light, times this.
+constexpr float k_coarse_throughput = 0.25f;
+
+glm::vec3 interpolated(std::span<const glm::vec3> of_places, const PlaceLattice::Around& around)
+{
+    glm::vec3 sum(0);
+    for (std::size_t i = 0; i < around.place.size(); ++i) sum += around.weight[i] * of_places[around.place[i]];
+    return sum;
+}
 
 // Whether two points lie on one smooth piece of surface.
 bool continue_each_other(const TilePoint& a, const TilePoint& b)
@@ -133,6 +145,93 @@ void EnvironmentLighting::find_guides(const PointBatch& batch, std::span<const s
             for (const std::uint32_t corner : guides_[k].corner) guides_[corner].guides = true;
 }
 
+// Finds what the asked points see: by the lattice's places where these are alike, else by themselves.
+void EnvironmentLighting::find_seen(const PointBatch& batch, std::size_t tile)
+{
+    const environment_light::EnvironmentLight& light = technique_.light();
+    lattice_.find(batch, asked_);
+    const std::span<const visibility::ShadowPoint> between = lattice_.places();
+    asked_places_.resize(between.size());
+    std::iota(asked_places_.begin(), asked_places_.end(), 0u);
+    if (!between.empty())
+        light.visibility().find(scratch_, between, asked_places_, {}, &technique_.memory(tile), lattice_seen_);
+    lattice_irradiance_.resize(between.size());
+    lattice_passes_.assign(passing_.any() ? between.size() : 0, glm::vec3(1));
+    for (std::size_t p = 0; p < between.size(); ++p) {
+        const std::span<const std::uint64_t> seen = lattice_seen_.of(p);
+        lattice_irradiance_[p] = light.light().irradiance(between[p].normal, seen, lattice_seen_.partial_of(p));
+        if (passing_.any())
+            lattice_passes_[p] =
+                passing_.from_cells(between[p].normal, between[p].origin, light.visibility().cells(), seen);
+    }
+
+    apart_.clear();
+    apart_at_.assign(asked_.size(), k_between);
+    for (std::size_t k = 0; k < asked_.size(); ++k) {
+        if (is_between(k)) continue;
+        apart_at_[k] = static_cast<std::uint32_t>(apart_.size());
+        apart_.push_back(asked_[k]);
+    }
+    places_.find(batch, apart_);
+    find_guides(batch, places_.own_points());
+    for (std::size_t k = 0; k < guides_.size() && !batch.primary; ++k) {
+        const glm::vec3& throughput = batch.points[places_.own_points()[k]].throughput;
+        guides_[k].coarse = guides_[k].pass == 0 && !guides_[k].guides &&
+                            std::max({throughput.x, throughput.y, throughput.z}) <= k_coarse_throughput;
+    }
+    guides_.resize(places_.places().size(), {.coarse = true});   // shared places have none
+    asked_places_.resize(places_.places().size());
+    std::iota(asked_places_.begin(), asked_places_.end(), 0u);
+    light.visibility().find(scratch_, places_.places(), asked_places_, guides_, &technique_.memory(tile), seen_);
+}
+
+// Whether the places around an asked point are alike.
+bool EnvironmentLighting::is_between(std::size_t k) const
+{
+    const PlaceLattice::Around& around = lattice_.around()[k];
+    if (!around.any()) return false;
+    float least = k_infinity, most = 0;
+    for (const std::uint32_t place : around.place) {
+        const float light = luminance(passing_.any() ? lattice_passes_[place] * lattice_irradiance_[place]
+                                                     : lattice_irradiance_[place]);
+        least = std::min(least, light), most = std::max(most, light);
+    }
+    return most - least <= lattice_.options().alike * most;
+}
+
+// Interpolates what the places around a point see.
+void EnvironmentLighting::see_between(const PlaceLattice::Around& around)
+{
+    const environment_light::SeenCells& seen = lattice_seen_;
+    between_mask_.assign(seen.words, 0);
+    between_partial_.clear(), between_leaves_.clear();
+    // Find the cells on which they do not agree, or of which one sees a share.
+    for (const std::uint32_t place : around.place)
+        for (const environment_light::PartialCell& cell : seen.partial_of(place)) between_leaves_.push_back(cell.leaf);
+    for (std::size_t w = 0; w < seen.words; ++w) {
+        const std::uint64_t a = seen.of(around.place[0])[w], b = seen.of(around.place[1])[w],
+                            c = seen.of(around.place[2])[w];
+        between_mask_[w] = a & b & c;
+        for (std::uint64_t other = (a | b | c) & ~between_mask_[w]; other != 0; other &= other - 1)
+            between_leaves_.push_back(
+                static_cast<std::uint32_t>(64 * w + static_cast<std::size_t>(std::countr_zero(other))));
+    }
+    std::ranges::sort(between_leaves_);
+    between_leaves_.erase(std::unique(between_leaves_.begin(), between_leaves_.end()), between_leaves_.end());
+    for (const std::uint32_t leaf : between_leaves_) {
+        float share = 0;
+        for (std::size_t i = 0; i < around.place.size(); ++i) {
+            const std::span<const environment_light::PartialCell> partial = seen.partial_of(around.place[i]);
+            const auto at = std::ranges::lower_bound(partial, leaf, {}, &environment_light::PartialCell::leaf);
+            const bool whole = (seen.of(around.place[i])[leaf / 64] >> (leaf % 64) & 1) != 0;
+            share += around.weight[i] * (at != partial.end() && at->leaf == leaf ? at->share : whole ? 1.0f : 0.0f);
+        }
+        between_partial_.push_back({leaf, std::clamp(share, 0.0f, 1.0f)});
+        const std::uint64_t bit = std::uint64_t{1} << (leaf % 64);
+        between_mask_[leaf / 64] = share >= 0.5f ? between_mask_[leaf / 64] | bit : between_mask_[leaf / 64] & ~bit;
+    }
+}
+
 void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
                                 const std::function<void(const TilePoint&, const glm::vec3&)>& add)
 {
@@ -148,30 +247,36 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
         asked_.push_back(p);
     }
     if (asked_.empty()) return;
+    find_seen(batch, tile);
     const environment_light::EnvironmentLight& light = technique_.light();
-    places_.find(batch, asked_);
-    find_guides(batch, places_.own_points());
-    guides_.resize(places_.places().size(), {.coarse = true});   // shared places have none
-    asked_places_.resize(places_.places().size());
-    std::iota(asked_places_.begin(), asked_places_.end(), 0u);
-    light.visibility().find(scratch_, places_.places(), asked_places_, guides_, &technique_.memory(tile), seen_);
-
     for (std::size_t k = 0; k < asked_.size(); ++k) {
         const TilePoint& point = batch.points[asked_[k]];
         const shading::SurfacePoint& s = point.surface;
-        std::span<const std::uint64_t> seen = seen_.of(places_.place_of(k));
-        const std::span<const environment_light::PartialCell> partial = seen_.partial_of(places_.place_of(k));
-        if (s.smooth_normal != s.geometric_normal) {
+        std::span<const std::uint64_t> seen;
+        std::span<const environment_light::PartialCell> partial;
+        const PlaceLattice::Around* between = apart_at_[k] == k_between ? &lattice_.around()[k] : nullptr;
+        const float highlight = highlight_share(s);
+        const glm::vec3 albedo = highlight > 0 ? shading::glossy_albedo(s) : glm::vec3(0);
+        const glm::vec3 weight = (1 - highlight) * point.next.unresolved_weight + highlight * s.coverage * albedo;
+        // On a plane, the light itself is interpolated.
+        const bool plane = between && weight == glm::vec3(0) && s.normal == s.geometric_normal;
+        if (between && !plane) {
+            see_between(*between);
+            seen = between_mask_, partial = between_partial_;
+        } else if (!between) {
+            const std::uint32_t place = places_.place_of(apart_at_[k]);
+            seen = seen_.of(place), partial = seen_.partial_of(place);
+        }
+        if (!plane && s.smooth_normal != s.geometric_normal) {
             // Others may share the place.
             smooth_seen_.assign(seen.begin(), seen.end());
             light.mirrored().add(s.geometric_normal, s.smooth_normal, smooth_seen_);
             seen = smooth_seen_;
         }
         glm::vec3 radiance(0);
-        const float highlight = highlight_share(s);
-        const glm::vec3 albedo = highlight > 0 ? shading::glossy_albedo(s) : glm::vec3(0);
         if (s.diffuse != glm::vec3(0)) {
-            const glm::vec3 irradiance = light.light().irradiance(s.normal, seen, partial);
+            const glm::vec3 irradiance =
+                plane ? interpolated(lattice_irradiance_, *between) : light.light().irradiance(s.normal, seen, partial);
             if (highlight < 1)
                 radiance += (1 - highlight) * shading::reflect_irradiance(s, point.next, glm::vec3(0), irradiance);
             // What the lobe does not reflect reaches the diffuse layer.
@@ -179,7 +284,6 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
                 radiance +=
                     highlight * (glm::vec3(1) - albedo) * shading::reflect_irradiance(s, {}, glm::vec3(0), irradiance);
         }
-        const glm::vec3 weight = (1 - highlight) * point.next.unresolved_weight + highlight * s.coverage * albedo;
         if (weight != glm::vec3(0))
             radiance += weight * light.light().seen_by({.to_viewer = s.to_viewer,
                                                         .mirrored = point.next.reflected,
@@ -188,7 +292,10 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
                                                         .roughness = s.roughness},
                                                        seen, partial);
         if (passing_.any() && radiance != glm::vec3(0))
-            radiance *= passing_.from_cells(s, batch.shadow_points[asked_[k]].origin, light.visibility().cells(), seen);
+            radiance *= between ? interpolated(lattice_passes_, *between)
+                                : passing_.from_cells(
+                                      s.normal, batch.shadow_points[asked_[k]].origin, light.visibility().cells(), seen,
+                                      batch.primary ? PassingLight::k_rays : PassingLight::k_rays_in_mirrors);
         reflected_[asked_[k]] = luminance(radiance);
         add(point, radiance);
     }
@@ -229,7 +336,7 @@ void EnvironmentLighting::light_by_suns(
             if (share == 0) return;
             glm::vec3 radiance = reflect_sun(sun, point.surface, to_light, source.color, seen, share);
             if (passing_.any()) {
-                const glm::vec3 passes = passing_.from_cells(point.surface, origin, sun.cells, seen);
+                const glm::vec3 passes = passing_.from_cells(point.surface.normal, origin, sun.cells, seen);
                 radiance *= passes, share *= luminance(passes);
             }
             add(point, radiance, sun.light, share);

@@ -6,7 +6,8 @@
 // Diffuse: the irradiance from all visible directions. Glossy: as with other lights with size (sized_lighting.h), a
 // smooth surface shows the image in the ray that it reflects; the lobe of a rough one sees it blurred, times the
 // visible share, and its reflected ray does not see it; in between, both are blended by roughness. Points that rays of
-// lobes meet share places (shared_places.h).
+// lobes meet share places (shared_places.h). What points in mirrors and glass see is interpolated between places
+// (place_lattice.h) where these see nearly as much light as each other.
 //
 // Of a sun, a point reflects the light of its middle times the visible share; its highlight is wider by the disc.
 
@@ -16,6 +17,7 @@
 
 #include "environment_light/environment_light.h"
 #include "trace/passing_light.h"
+#include "trace/place_lattice.h"
 #include "trace/point_batch.h"
 #include "trace/shared_places.h"
 
@@ -59,7 +61,7 @@ class EnvironmentTechnique {
 class EnvironmentLighting {
  public:
     EnvironmentLighting(EnvironmentTechnique& technique, const ray::RayScene& rays)
-        : technique_(technique), rays_(rays), passing_(rays), places_(rays)
+        : technique_(technique), rays_(rays), passing_(rays), lattice_(rays), places_(rays)
     {
     }
     /// Calls add(point, radiance) with the light reflected at points of the batch towards the viewer, throughput left
@@ -80,6 +82,9 @@ class EnvironmentLighting {
 
  private:
     void find_guides(const PointBatch& batch, std::span<const std::uint32_t> points);
+    void find_seen(const PointBatch& batch, std::size_t tile);
+    bool is_between(std::size_t k) const;
+    void see_between(const PlaceLattice::Around& around);
     glm::vec3 reflect_sun(const environment_light::Sun& sun, const shading::SurfacePoint& surface,
                           const glm::vec3& to_light, const glm::vec3& color, std::span<const std::uint64_t> seen,
                           float share) const;
@@ -87,11 +92,19 @@ class EnvironmentLighting {
     EnvironmentTechnique& technique_;
     const ray::RayScene& rays_;
     PassingLight passing_;
+    PlaceLattice lattice_;
+    environment_light::SeenCells lattice_seen_;
+    std::vector<glm::vec3> lattice_irradiance_, lattice_passes_;   // by place; empty: nothing thins light
     SharedPlaces places_;
     environment_light::CellVisibility::Scratch scratch_;
     environment_light::SeenCells seen_;
     std::vector<float> reflected_;
-    std::vector<std::uint32_t> asked_;                // points that could reflect light
+    std::vector<std::uint32_t> asked_;          // points that could reflect light
+    std::vector<std::uint32_t> apart_;          // of these, those that are not between places
+    std::vector<std::uint32_t> apart_at_;       // by asked point: its index there; k_between
+    std::vector<std::uint64_t> between_mask_;   // what one point sees by the places around it
+    std::vector<environment_light::PartialCell> between_partial_;
+    std::vector<std::uint32_t> between_leaves_;
     std::vector<std::uint32_t> asked_places_;         // all places
     std::vector<environment_light::Guides> guides_;   // by asked place or point; empty: none has any
     std::vector<std::uint32_t> asked_of_pixel_;

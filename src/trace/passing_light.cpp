@@ -25,21 +25,22 @@ glm::vec3 PassingLight::from_light(const shading::SurfacePoint& s, const glm::ve
     return mean();
 }
 
-glm::vec3 PassingLight::from_cells(const shading::SurfacePoint& s, const glm::vec3& origin,
-                                   const environment_light::DirectionCells& cells, std::span<const std::uint64_t> seen)
+glm::vec3 PassingLight::from_cells(const glm::vec3& normal, const glm::vec3& origin,
+                                   const environment_light::DirectionCells& cells, std::span<const std::uint64_t> seen,
+                                   std::size_t most)
 {
     if (!any_) return glm::vec3(1);
     queue_.clear(), weight_.clear(), leaves_.clear();
     for (std::size_t w = 0; w < seen.size(); ++w)
         for (std::uint64_t word = seen[w]; word != 0; word &= word - 1) {
             const std::size_t leaf = 64 * w + static_cast<std::size_t>(std::countr_zero(word));
-            if (glm::dot(cells.direction(leaf), s.normal) > 0) leaves_.push_back(static_cast<std::uint32_t>(leaf));
+            if (glm::dot(cells.direction(leaf), normal) > 0) leaves_.push_back(static_cast<std::uint32_t>(leaf));
         }
-    const std::size_t step = std::max<std::size_t>(1, (leaves_.size() + k_rays - 1) / k_rays);
+    const std::size_t step = std::max<std::size_t>(1, (leaves_.size() + most - 1) / most);
     for (std::size_t i = step / 2; i < leaves_.size(); i += step) {
         const glm::vec3 direction = cells.direction(leaves_[i]);
         queue_.push(origin, 0, direction, k_infinity);
-        weight_.push_back(luminance(cells.flux(leaves_[i])) * glm::dot(direction, s.normal));
+        weight_.push_back(luminance(cells.flux(leaves_[i])) * glm::dot(direction, normal));
     }
     return mean();
 }

@@ -17,6 +17,7 @@ namespace gnomon::trace {
 class PassingLight {
  public:
     static constexpr std::size_t k_rays = 64;
+    static constexpr std::size_t k_rays_in_mirrors = 16;   // to cells, from what mirrors and glass show
 
     explicit PassingLight(const ray::RayScene& rays) : rays_(rays), any_(rays.thins_light()) {}
     /// Whether there is anything to do; else every factor is 1.
@@ -24,9 +25,12 @@ class PassingLight {
 
     /// @param origin  of shadow rays
     glm::vec3 from_light(const shading::SurfacePoint& s, const glm::vec3& origin, const scene::SizedLight& light);
+    /// @param normal  of the surface, shading
     /// @param seen  a bit for each leaf
-    glm::vec3 from_cells(const shading::SurfacePoint& s, const glm::vec3& origin,
-                         const environment_light::DirectionCells& cells, std::span<const std::uint64_t> seen);
+    /// @param most  rays
+    glm::vec3 from_cells(const glm::vec3& normal, const glm::vec3& origin,
+                         const environment_light::DirectionCells& cells, std::span<const std::uint64_t> seen,
+                         std::size_t most = k_rays);
 
  private:
     glm::vec3 mean();

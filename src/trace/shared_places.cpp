@@ -13,7 +13,7 @@ namespace gnomon::trace {
 
 namespace {
 
-constexpr float k_part_per_cone = 0.5f;      // the longest edge of a part, in widths of the cone
+constexpr float k_part_per_cone = 1;         // the longest edge of a part, in widths of the cone
 constexpr std::uint32_t k_most_level = 14;   // a triangle has 4^level parts
 constexpr std::uint32_t k_nowhere = 0xffffffff;
 

@@ -4,7 +4,7 @@
 //
 // A ray of a rough lobe shows the mean of what lies in its part of the lobe (shading/lobe_rays.h), and many such rays
 // meet the same piece of surface. Points that they meet therefore share places: each triangle is divided into equal
-// parts, so many that a part is at most half as wide as the ray's cone, and the middle of the part stands in for its
+// parts, so many that a part is at most as wide as the ray's cone, and the middle of the part stands in for its
 // points. A narrow cone has places of its own.
 //
 // The place of a point is a function of the point, its cone and the triangle alone.

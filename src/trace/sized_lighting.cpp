@@ -80,9 +80,16 @@ void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
     visibility_->prepare(batch);
     highlight_.resize(batch.points.size());
     coat_highlight_.resize(batch.points.size());
+    lobes_.assign(batch.points.size(), std::nullopt);
+    coat_lobes_.clear();
     for (std::size_t p = 0; p < batch.points.size(); ++p) {
-        highlight_[p] = highlight_share(batch.points[p].surface);
-        coat_highlight_[p] = coat_highlight_share(batch.points[p].surface);
+        const shading::SurfacePoint& s = batch.points[p].surface;
+        highlight_[p] = highlight_share(s);
+        coat_highlight_[p] = coat_highlight_share(s);
+        if (highlight_[p] > 0) lobes_[p].emplace(s);
+        if (coat_highlight_[p] == 0) continue;
+        coat_lobes_.resize(batch.points.size());
+        coat_lobes_[p].emplace(shading::coat_surface(s));
     }
 
     for (std::uint32_t l = 0; l < lights_.lights().size(); ++l) {
@@ -95,8 +102,8 @@ void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
             const shading::SurfacePoint& s = point.surface;
             const bool lobe = highlight_[p] > 0, coat = coat_highlight_[p] > 0;
             if (s.model == scene::ShadingModel::unlit || (!lobe && !coat && s.diffuse == glm::vec3(0))) continue;
-            Arriving arrives{shading::unshadowed(s, light, lobe)};
-            if (coat) arrives.coat = shading::unshadowed(shading::coat_surface(s), light, true).lobe;
+            Arriving arrives{shading::unshadowed(s, light, lobe ? &*lobes_[p] : nullptr)};
+            if (coat) arrives.coat = shading::unshadowed(shading::coat_surface(s), light, &*coat_lobes_[p]).lobe;
             if (!arrives.any()) continue;
             const std::size_t few =
                 image.empty() ? 0 : few_.count(l, point, luminance(reflected(batch, p, arrives)), image[p]);

@@ -10,6 +10,7 @@
 // does the same for its part of the ray, by its own roughness.
 
 #include <functional>
+#include <optional>
 
 #include "shading/between_horizons.h"
 #include "shading/polygon_light.h"
@@ -49,6 +50,7 @@ class SizedLighting {
     PassingLight passing_;
     // By point of the batch.
     std::vector<float> highlight_, coat_highlight_;
+    std::vector<std::optional<shading::PolygonLobe>> lobes_, coat_lobes_;   // where the shares above are not 0
     // A light as a point sees it: the surface, and its coat.
     struct Arriving {
         shading::UnshadowedLight base;

@@ -47,7 +47,9 @@ void attack(std::uint64_t seed, int parts, Count& count, ClusterCheck left_out =
     const scene::SceneState state(scene, 0);
     const ray::RayScene rays(state);
     const StaticTriangles triangles(state, rays);
-    ClusterShadows shadows(triangles, cluster, {}, left_out);
+    AreaOptions options;
+    options.least_part = 0;   // of every size
+    ClusterShadows shadows(triangles, cluster, options, left_out);
     Random random(seed * 31 + 7);
     ray::RayQueue queue;
     queue.purpose = ray::RayClass::shadow;
