@@ -24,8 +24,8 @@ namespace gnomon::trace {
 
 class FewPlaces {
  public:
-    static constexpr float k_steps = 160;       // a step of one is below 1/255 after tone mapping
-    static constexpr float k_lobe_steps = 40;   // of points that one of several rays of a lobe met
+    static constexpr float k_steps = 512;
+    static constexpr float k_lobe_steps = 128;   // of points that one of several rays of a lobe met
     static constexpr std::size_t k_most = 64;    // places; a light that needs more needs finer visibility
 
     FewPlaces(const scene::SizedLights& lights, const ray::RayScene& rays);
