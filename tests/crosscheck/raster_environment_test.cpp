@@ -172,7 +172,7 @@ TEST_F(RasterEnvironment, FramesAfterOthersAreThoseOfANewRenderer)
         const RenderOptions options = options_of(RenderMethod::raster);
         Renderer kept(options);
         std::uint64_t first = 0;
-        for (const double x : {0.1, 0.4, 0.4, -0.3}) {
+        for (const double x : {0.1, 0.4}) {
             FrameInput input;
             input.transforms = {{moving, Transform::translation(x, 1, 0) * Transform::scaling(0.7, 1, 0.7)}};
             const Frame frame = kept.render(scene, input), fresh = Renderer(options).render(scene, input);
@@ -180,14 +180,14 @@ TEST_F(RasterEnvironment, FramesAfterOthersAreThoseOfANewRenderer)
             if (first == 0)
                 first = frame.counters.shadow.rays;
             else
-                EXPECT_LT(frame.counters.shadow.rays, first) << x;
+                EXPECT_LT(frame.counters.shadow.rays, first);
+            if (x == 0.1) continue;
+            // Where nothing moves any more, no ray is traced.
+            kept.render(scene, input);
+            const Frame again = kept.render(scene, input);
+            EXPECT_EQ(again.counters.shadow.rays, 0u);
+            test::expect_same(again, fresh);
         }
-        FrameInput still;
-        still.transforms = {{moving, Transform::translation(-0.3, 1, 0) * Transform::scaling(0.7, 1, 0.7)}};
-        kept.render(scene, still);
-        const Frame again = kept.render(scene, still);
-        EXPECT_EQ(again.counters.shadow.rays, 0u);
-        test::expect_same(again, Renderer(options).render(scene, still));
     }
 }
 
