@@ -295,7 +295,7 @@ MUTATIONS = (
         "src/raster/thinned_shadows.cpp", "static_cast<float>(to[column[k]]) * luminance(passes[k]);",
         "static_cast<float>(to[column[k]]);", "property:ThinnedLightVulkan.*"),
     row("raster-front", "raster", "shares of lights with size are looked up on the other side of triangles",
-        "src/raster/proven_shares.cpp",
+        "src/raster/shadow_point.h",
         "point.front = glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), normal) > 0;",
         "point.front = glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), normal) < 0;",
         "crosscheck:SoftShadows.PenumbraOfASquareLightIsThatOfTheTracedFrame:SoftShadows.UnshadowedLightIsThatOfTheTracedFrame"),

@@ -6,8 +6,7 @@
 #include <algorithm>
 
 #include "gpu_scene/gpu_scene_shared.h"
-#include "raster/barycentric.h"
-#include "ray/origin.h"
+#include "raster/shadow_point.h"
 
 namespace gnomon::frame {
 
@@ -52,18 +51,8 @@ void RasterEnvironment::add_point(const Surfaces& read, std::size_t pixel, const
     const glm::vec4 position = read.positions.as<glm::vec4>()[pixel], normal = read.normals.as<glm::vec4>()[pixel],
                     geometric = read.geometric.as<glm::vec4>()[pixel], diffuse = read.diffuse.as<glm::vec4>()[pixel],
                     specular = read.specular.as<glm::vec4>()[pixel];
-    const glm::uvec2 id = read.ids.as<glm::uvec2>()[pixel];
-    shadow_culling::ShadowPoint at;
-    at.object = id.x - 1, at.triangle = id.y;
-    glm::vec3 corners[3];
-    rays_.geometry(at.object).corners(at.triangle, corners);
-    const glm::vec2 place = raster::barycentric(corners, glm::vec3(position));
-    at.u = place.x, at.v = place.y;
-    at.normal = glm::vec3(geometric);
-    at.front = glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), at.normal) > 0;
-    const float lift = ray::origin_lift(corners);
-    at.origin = raster::point_of(corners, place) + lift * at.normal;
-
+    const shadow_culling::ShadowPoint at =
+        raster::shadow_point_of(rays_, read.ids.as<glm::uvec2>()[pixel], glm::vec3(position), glm::vec3(geometric));
     trace::TilePoint& point = own.points.emplace_back();
     shading::SurfacePoint& s = point.surface;
     s.position = glm::vec3(position);
@@ -71,7 +60,7 @@ void RasterEnvironment::add_point(const Surfaces& read, std::size_t pixel, const
     s.smooth_normal = glm::vec3(read.smooth.as<glm::vec4>()[pixel]);
     const float distance = glm::length(view.eye - s.position);
     s.to_viewer = view.orthographic ? -view.forward : (view.eye - s.position) / distance;
-    s.offset = lift;
+    s.offset = glm::dot(at.origin - s.position, at.normal);
     s.cone.width = view.pixel_width + distance * view.pixel_spread;
     s.diffuse = glm::vec3(diffuse), s.specular = glm::vec3(specular), s.coverage = geometric.w;
     const auto model = static_cast<std::uint32_t>(diffuse.w);
@@ -141,19 +130,7 @@ void RasterEnvironment::fill(vk::Commands& commands, const raster::GBuffer& surf
     });
 
     // Send their light to the device.
-    if (sent_.bytes() != pixels * sizeof(glm::vec4))
-        sent_ = vk::Buffer(device_, "light of surroundings", pixels * sizeof(glm::vec4));
-    const vk::Upload upload = vk::upload_of(sent_, std::span<const glm::vec4>(radiance_));
-    commands.upload("send light of surroundings", {&upload, 1});
-    commands.pass("light of surroundings to image")
-        .reads(sent_, vk::Use::copy_source)
-        .writes(radiance, vk::Use::copy_target)
-        .copy([&](vk::Recorder& r) {
-            VkBufferImageCopy all{};
-            all.imageSubresource = {radiance.aspect(), 0, 0, 1};
-            all.imageExtent = {radiance.width(), radiance.height(), 1};
-            r.copy(sent_, radiance, {&all, 1});
-        });
+    sent_.send(commands, radiance_, radiance);
 }
 
 void RasterEnvironment::end_frame(FrameCounters& counters)

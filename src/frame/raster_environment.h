@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "raster/gbuffer.h"
+#include "raster/sent_image.h"
 #include "trace/environment_lighting.h"
 
 namespace gnomon::frame {
@@ -25,10 +26,7 @@ class RasterEnvironment final : public raster::SurroundingLight {
     static constexpr float k_least_roughness = 0.15f;
 
     /// @param rays  follows the state before every frame; like `tasks`, must outlive this
-    RasterEnvironment(const std::shared_ptr<vk::Device>& device, const ray::RayScene& rays, Tasks& tasks)
-        : device_(device), rays_(rays), tasks_(tasks)
-    {
-    }
+    RasterEnvironment(const ray::RayScene& rays, Tasks& tasks) : rays_(rays), tasks_(tasks) {}
 
     /// Must be called before every frame. @param technique  must outlive the frame
     void use(trace::EnvironmentTechnique& technique) { technique_ = &technique; }
@@ -60,7 +58,6 @@ class RasterEnvironment final : public raster::SurroundingLight {
     void add_point(const Surfaces& read, std::size_t pixel, const scene::View& view, Worker& own) const;
     void light_tile(const Surfaces& read, std::size_t number, const scene::View& view, Worker& own);
 
-    std::shared_ptr<vk::Device> device_;
     const ray::RayScene& rays_;
     Tasks& tasks_;
     trace::EnvironmentTechnique* technique_ = nullptr;
@@ -68,7 +65,7 @@ class RasterEnvironment final : public raster::SurroundingLight {
     std::vector<std::unique_ptr<Worker>> workers_;   // of a frame, by thread
     std::vector<glm::vec4> radiance_;                // by pixel
     std::vector<std::vector<float>> visible_;        // by light, by pixel; empty: no sun
-    vk::Buffer sent_;
+    raster::SentImage sent_;
 };
 
 }   // namespace gnomon::frame

@@ -77,7 +77,7 @@ class VulkanRasterizer final : public Rasterizer {
         frame_.set_sized(std::move(direct));
         if (settings.image_apart || settings.suns_apart) {
             GNOMON_CHECK(settings.rays && settings.tasks);
-            auto surroundings = std::make_unique<RasterEnvironment>(device_, *settings.rays, *settings.tasks);
+            auto surroundings = std::make_unique<RasterEnvironment>(*settings.rays, *settings.tasks);
             environment_ = surroundings.get();
             frame_.set_surroundings(std::move(surroundings));
         }

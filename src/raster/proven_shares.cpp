@@ -4,8 +4,7 @@
 #include <algorithm>
 
 #include "gpu_scene/gpu_scene_shared.h"
-#include "raster/barycentric.h"
-#include "ray/origin.h"
+#include "raster/shadow_point.h"
 #include "ray/smooth_surface.h"
 #include "scene/view.h"
 #include "shading/glossy.h"
@@ -66,18 +65,7 @@ void ProvenShares::make_points(std::size_t number, const scene::View& view)
         for (int x = x0; x < std::min(x0 + k_tile, width_); ++x) {
             const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
             if (ids[i].x == 0 || static_cast<std::uint32_t>(diffuse[i].w) == GNOMON_MODEL_UNLIT) continue;
-            visibility::ShadowPoint point;
-            point.object = ids[i].x - 1;
-            point.triangle = ids[i].y;
-            glm::vec3 corners[3];
-            rays_.geometry(point.object).corners(point.triangle, corners);
-            const glm::vec3 position(positions[i]), normal(geometric[i]);
-            const glm::vec2 at = barycentric(corners, position);
-            point.u = at.x, point.v = at.y;
-            point.normal = normal;
-            point.front = glm::dot(glm::cross(corners[1] - corners[0], corners[2] - corners[0]), normal) > 0;
-            point.origin = point_of(corners, at) + ray::origin_lift(corners) * normal;
-            tile.points.push_back(point);
+            tile.points.push_back(shadow_point_of(rays_, ids[i], glm::vec3(positions[i]), glm::vec3(geometric[i])));
             tile.pixels.push_back(static_cast<std::uint32_t>(i));
         }
 }

@@ -94,19 +94,7 @@ void VisibleBounce::fill(vk::Commands& commands, const GBuffer& surfaces, const 
     light_.for_each(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), batches_, tasks_, light_tile);
 
     // Send the irradiance to the device.
-    if (sent_.bytes() != pixels * sizeof(glm::vec4))
-        sent_ = vk::Buffer(device_, "bounced light", pixels * sizeof(glm::vec4));
-    const vk::Upload upload = vk::upload_of(sent_, std::span<const glm::vec4>(arrives_));
-    commands.upload("send bounced light", {&upload, 1});
-    commands.pass("bounced light to image")
-        .reads(sent_, vk::Use::copy_source)
-        .writes(irradiance, vk::Use::copy_target)
-        .copy([&](vk::Recorder& r) {
-            VkBufferImageCopy all{};
-            all.imageSubresource = {irradiance.aspect(), 0, 0, 1};
-            all.imageExtent = {irradiance.width(), irradiance.height(), 1};
-            r.copy(sent_, irradiance, {&all, 1});
-        });
+    sent_.send(commands, arrives_, irradiance);
 }
 
 FrameCounters::Indirect VisibleBounce::end_frame()

@@ -11,6 +11,7 @@
 #include "base/tasks.h"
 #include "irradiance_cache/irradiance_cache.h"
 #include "raster/gbuffer.h"
+#include "raster/sent_image.h"
 
 namespace gnomon::irradiance_cache {
 class GpuPoints;
@@ -50,7 +51,7 @@ class VisibleBounce final : public BouncedLight {
     std::vector<std::unique_ptr<irradiance_cache::IrradianceCache::Batch>> batches_;   // by thread
     std::vector<Scratch> scratch_;
     std::vector<glm::vec4> arrives_;   // by pixel
-    vk::Buffer sent_;
+    SentImage sent_;
 };
 
 }   // namespace gnomon::raster

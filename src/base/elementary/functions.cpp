@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// LONG: the functions share reductions and series, which nothing else may call.
 // The elementary functions of double precision, and of single precision by arithmetic of double precision: acos asin
 // atan atan2 cbrt cos exp exp2 log log10 log2 pow sin sincos tan.
 //
