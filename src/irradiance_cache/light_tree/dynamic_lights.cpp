@@ -160,7 +160,7 @@ void LightTree::gather_dynamic()
     std::vector<DynamicVirtualLight> others;
     Octants of_others(others, dynamic_halves_);
     const std::vector<glm::vec3> exitance = patches_->exitance_now(lost_);
-    for (const DynamicReflection::Reflector& r : reflection_.gather(
+    for (const patches::DynamicReflection::Reflector& r : reflection_.gather(
              *state_, *rays_, dynamic_groups_, {patches_->patches(), exitance, patches_->surroundings(), sized_}))
         of_others.add({owner_of(r.object), r.position, r.normal, r.sample, r.flux, r.area});
     of_others.finish();

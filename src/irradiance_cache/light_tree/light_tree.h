@@ -21,9 +21,9 @@
 #include <vector>
 
 #include "base/tasks.h"
-#include "irradiance_cache/light_tree/dynamic_reflection.h"
 #include "irradiance_cache/light_tree/patch_light.h"
 #include "light_views/casters.h"
+#include "patches/dynamic_reflection.h"
 #include "ray/origin.h"
 #include "ray/ray_scene.h"
 
@@ -237,7 +237,7 @@ class LightTree {
     Flux flux_, static_flux_;
     std::size_t differing_ = 0;
     std::vector<DynamicVirtualLight> dynamic_, dynamic_halves_;
-    DynamicReflection reflection_;
+    patches::DynamicReflection reflection_;
     std::vector<glm::vec3> lost_;       // flux of leaves that dynamic objects occlude, by patch
     std::vector<glm::vec3> received_;   // irradiance that dynamic objects reflect to patches
     const scene::SceneState* state_;

@@ -18,7 +18,7 @@
 #include "patches/surroundings.h"
 #include "scene/sized_light.h"
 
-namespace gnomon::irradiance_cache {
+namespace gnomon::patches {
 
 class DynamicReflection {
  public:
@@ -32,9 +32,9 @@ class DynamicReflection {
     };
     /// What lights the objects.
     struct Light {
-        const patches::SurfacePatches& patches;
+        const SurfacePatches& patches;
         std::span<const glm::vec3> exitance;   // of the patches, radiant; empty: none
-        const patches::Surroundings& surroundings;
+        const Surroundings& surroundings;
         const scene::SizedLights& emission;
     };
 
@@ -71,7 +71,7 @@ class DynamicReflection {
     std::vector<Surface> surfaces_;   // by object
     std::vector<Reflector> reflectors_;
     std::vector<glm::vec3> irradiance_, albedo_;   // by reflector
-    patches::PatchRays rays_;
+    PatchRays rays_;
 };
 
-}   // namespace gnomon::irradiance_cache
+}   // namespace gnomon::patches

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "irradiance_cache/light_tree/dynamic_reflection.h"
+#include "patches/dynamic_reflection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include "ray/origin.h"
 #include "shading/polygon_light.h"
 
-namespace gnomon::irradiance_cache {
+namespace gnomon::patches {
 
 namespace {
 
@@ -164,8 +164,8 @@ void DynamicReflection::light_by_patches(const scene::SceneState& state, const r
             if (light.surroundings.any())
                 arrives = static_cast<float>(k_pi) * light.surroundings.radiance(rays_.direction(r));
         } else if (!light.exitance.empty()) {
-            const patches::PatchId met = rays_.patch(light.patches, rays, r);
-            if (met != patches::k_no_patch) arrives = light.exitance[met];
+            const PatchId met = rays_.patch(light.patches, rays, r);
+            if (met != k_no_patch) arrives = light.exitance[met];
         }
         irradiance_[r / k_rays] += k_weight * (passes.empty() ? arrives : arrives * passes[r]);
     }
@@ -206,4 +206,4 @@ void DynamicReflection::light_by_emission(const ray::RayScene& rays, const Light
             irradiance_[arriving[r].first] += passes.empty() ? arriving[r].second : arriving[r].second * passes[r];
 }
 
-}   // namespace gnomon::irradiance_cache
+}   // namespace gnomon::patches
