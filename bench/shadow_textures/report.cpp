@@ -105,7 +105,8 @@ class Section {
     {
         std::vector<std::pair<double, double>> list;
         for (const ShadowTexturesRow& row : result_.rows)
-            if (row.method == method && !row.by_footprints && filter(row)) list.emplace_back(static_cast<double>(x(row)), row.*y);
+            if (row.method == method && !row.by_footprints && filter(row))
+                list.emplace_back(static_cast<double>(x(row)), row.*y);
         std::sort(list.begin(), list.end());
         return list;
     }

@@ -59,8 +59,8 @@ void join_overlapping(std::vector<Rect>& rects)
 
 }   // namespace
 
-void ViewTracker::plan(const FrameMobility& frame, const ViewProjection& projection, bool restless, ListedReceivers receivers,
-                       ViewPlan& plan)
+void ViewTracker::plan(const FrameMobility& frame, const ViewProjection& projection, bool restless,
+                       ListedReceivers receivers, ViewPlan& plan)
 {
     plan.clear();
     if (!known_ || !projection_.same_bits(projection)) {
@@ -169,7 +169,8 @@ void ViewTracker::plan_incremental(const FrameMobility& frame, ListedReceivers r
             index_.erase(object);
         }
         const Rect rect = frame.casters.footprint(projection_, frame.state, object);
-        if (receivers != ListedReceivers::none && rect.empty() && (was_static || is_drawn(object))) plan.departed.push_back(object);
+        if (receivers != ListedReceivers::none && rect.empty() && (was_static || is_drawn(object)))
+            plan.departed.push_back(object);
         if (!frame.is_dynamic[object] && !rect.empty()) plan.settle.push_back({object, rect});
     }
 

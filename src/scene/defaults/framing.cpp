@@ -93,8 +93,8 @@ int looks_at(const Scene& scene, const FramingOptions& options)
     for (const Object& object : scene.objects)
         if (object.dynamic) vertices += scene.meshes[object.mesh].positions.size();
     const double frames = std::min(static_cast<double>(scene.timeline.frames), k_most);
-    const auto affordable = static_cast<double>(options.vertices / vertices);
-    return std::max(options.looks, static_cast<int>(std::min(frames, affordable)));
+    const std::size_t affordable = options.vertices / vertices;
+    return std::max(options.looks, static_cast<int>(std::min(frames, static_cast<double>(affordable))));
 }
 
 // Collects what a clip shows, from nothing but what `content` says.

@@ -117,7 +117,8 @@ class Painter {
     void place(std::size_t at)
     {
         const auto side = static_cast<std::size_t>(image_.side);
-        const glm::dvec2 centre(static_cast<double>(at % side) + 0.5, static_cast<double>(at / side) + 0.5);
+        const std::size_t row = at / side;
+        const glm::dvec2 centre(static_cast<double>(at % side) + 0.5, static_cast<double>(row) + 0.5);
         const auto& [p, corner, depth] = shown_[at];
         const glm::dvec3 point((centre.x - 0.5 * image_.side) / scale_ * depth,
                                (0.5 * image_.side - centre.y) / scale_ * depth, -depth);
@@ -149,7 +150,7 @@ class Painter {
             for (std::size_t slot = hash & (slots_.size() - 1);; slot = (slot + 1) & (slots_.size() - 1)) {
                 if (slots_[slot] == none) {
                     slots_[slot] = static_cast<std::uint32_t>(list_.size());
-                    list_.push_back({hash, drawn});
+                    list_.emplace_back(hash, drawn);
                     return true;
                 }
                 if (const auto& [other_hash, other] = list_[slots_[slot]]; other_hash == hash && other == drawn)
