@@ -39,6 +39,7 @@ bench::ShadowTexturesBenchOptions options_of(const options::OptionValues& values
     options.vertices = values.integer("vertices");
     options.frames = values.integer("frames");
     options.as_printed = values.flag("as-printed");
+    options.by_footprints = values.flag("by-footprints");
     options.images = values.given("report");
     if (const std::vector<std::string> words = values.all("method"); !words.empty()) {
         options.methods.clear();
@@ -61,13 +62,13 @@ int run_bench_shadow_textures(const CommandLine& line, Output& output)
     const bench::ShadowTexturesBenchResult result = bench::bench_shadow_textures(options, output.progress());
     output.say(fmt::format("device     {}; times in ms, {}", result.device, result.clock));
     output.say(
-        "objects dynamic      method    shadows  (buffers + textures)    planning  whole frame   draws  copies  "
+        "objects dynamic        method    shadows  (buffers + textures)    planning  whole frame   draws  copies  "
         "textures  touched  identical");
     for (const bench::ShadowTexturesRow& row : result.rows)
         output.say(
-            fmt::format("{:7} {:7} {:>11} {:10.2f}  ({:7.2f} + {:8.2f}) {:11.3f} {:12.2f} {:7.1f} {:7.1f} {:9.1f} "
+            fmt::format("{:7} {:7} {:>13} {:10.2f}  ({:7.2f} + {:8.2f}) {:11.3f} {:12.2f} {:7.1f} {:7.1f} {:9.1f} "
                         "{:8.1f}  {}",
-                        row.objects, row.dynamic_objects, options::name_of(row.method), row.shadow_ms, row.buffers_ms,
+                        row.objects, row.dynamic_objects, bench::name_of(row), row.shadow_ms, row.buffers_ms,
                         row.textures_ms, row.shadow_cpu_ms, row.frame_ms, row.draws, row.copies, row.textures_updated,
                         row.touched, row.identical_to_full ? "yes" : "NO"));
     for (const auto& [method, exponent] : result.exponents)

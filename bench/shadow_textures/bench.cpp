@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "base/clocks.h"
 #include "gnomon/error.h"
+#include "options/enum_names.h"
 #ifdef GNOMON_VULKAN
 #include "scene/builtin/builtin.h"
 #include "scene/view.h"
@@ -21,6 +22,11 @@ namespace gnomon::bench {
 std::vector<ShadowTextures> usual_methods()
 {
     return {ShadowTextures::depth, ShadowTextures::coherent, ShadowTextures::items};
+}
+
+std::string name_of(const ShadowTexturesRow& row)
+{
+    return row.by_footprints ? "by-footprints" : std::string(options::name_of(row.method));
 }
 
 double growth_exponent(const std::vector<std::pair<double, double>>& points)
@@ -49,9 +55,10 @@ double median(std::vector<double> values)
     return values.size() % 2 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
-LightViewsOptions view_options(const ShadowTexturesBenchOptions& options, ShadowTextures method)
+LightViewsOptions view_options(const ShadowTexturesBenchOptions& options, ShadowTextures method, bool by_footprints)
 {
     LightViewsOptions result;
+    result.by_footprints = by_footprints;
     result.atlas.view_size = options.view_size;
     return shadow_textures::view_options(method, result);
 }
@@ -71,12 +78,13 @@ constexpr int k_warm_up = 2;
 class Runner {
  public:
     Runner(const std::shared_ptr<vk::Device>& device, const scene::SceneState& state,
-           const ShadowTexturesBenchOptions& options, ShadowTextures method)
+           const ShadowTexturesBenchOptions& options, ShadowTextures method, bool by_footprints = false)
         : method_(method),
+          by_footprints_(by_footprints),
           previous_(options.as_printed ? shadow_textures::PreviousMethod::all_between
                                        : shadow_textures::PreviousMethod::by_extents),
           by_timestamps_(device->info().kind != "software"),
-          views_(state, view_options(options, method)),
+          views_(state, view_options(options, method, by_footprints)),
           casters_(device, state),
           textures_(device, views_, method),
           image_(device, views_, static_cast<std::uint32_t>(options.size.width),
@@ -152,6 +160,7 @@ class Runner {
         const auto n = static_cast<double>(frame_ms_.size());
         ShadowTexturesRow row;
         row.method = method_;
+        row.by_footprints = by_footprints_;
         row.buffers_ms = median(buffers_ms_), row.textures_ms = median(textures_ms_);
         row.shadow_ms = median(shadow_ms_), row.frame_ms = median(frame_ms_), row.shadow_cpu_ms = median(cpu_ms_);
         row.draws = draws_ / n, row.copies = copies_ / n, row.textures_updated = updated_ / n;
@@ -226,6 +235,7 @@ class Runner {
     }
 
     ShadowTextures method_;
+    bool by_footprints_;
     shadow_textures::PreviousMethod previous_;
     shadow_textures::LookupOptions look_up_;
     bool by_timestamps_;
@@ -247,6 +257,8 @@ class Setting {
     {
         for (const ShadowTextures method : options.methods)
             runners_.push_back(std::make_unique<Runner>(device, state_, options, method));
+        if (options.by_footprints)
+            runners_.push_back(std::make_unique<Runner>(device, state_, options, ShadowTextures::coherent, true));
     }
 
     void frame(int frame)
@@ -348,7 +360,7 @@ ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions
     for (const ShadowTextures method : options.methods) {
         std::vector<std::pair<double, double>> points;
         for (const ShadowTexturesRow& row : result.rows)
-            if (row.method == method && points.size() < options.objects.size())
+            if (row.method == method && !row.by_footprints && points.size() < options.objects.size())
                 points.emplace_back(row.objects, row.shadow_ms);
         const auto [least, most] = std::minmax_element(points.begin(), points.end());
         if (points.size() > 1 && least->first < most->first)

@@ -36,6 +36,8 @@ struct ShadowTexturesBenchOptions {
     std::vector<ShadowTextures> methods = usual_methods();
     /// The texture's colour decides alone, and per_caster draws all casters nearer than the receiver.
     bool as_printed = false;
+    /// Measure a further coherent method, which makes textures again by footprints alone (LightViewsOptions).
+    bool by_footprints = false;
     bool images = false;   // keep images of every setting, by both look-ups
 };
 
@@ -50,6 +52,7 @@ struct ShadowTexturesRow {
     double dynamic_percent = 0;
     int dynamic_objects = 0;
     ShadowTextures method = ShadowTextures::depth;
+    bool by_footprints = false;
     double buffers_ms = 0;      // part of shadow_ms: the light view's buffers and the casters' transforms
     double textures_ms = 0;     // part of shadow_ms: the receivers' textures
     double shadow_ms = 0;       // the shadow pass
@@ -78,6 +81,9 @@ struct ShadowTexturesBenchResult {
 /// @throws InterruptedError  progress returned false
 ShadowTexturesBenchResult bench_shadow_textures(const ShadowTexturesBenchOptions& options,
                                                 const Progress& progress = {});
+
+/// That of the method, as in the renderer, or "by-footprints".
+std::string name_of(const ShadowTexturesRow& row);
 
 /// The slope of log y over log x by least squares; needs x and y above 0 and at least two different x.
 double growth_exponent(const std::vector<std::pair<double, double>>& points);

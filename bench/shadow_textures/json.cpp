@@ -14,7 +14,7 @@ nlohmann::ordered_json shadow_textures_json(const ShadowTexturesBenchOptions& op
         rows.push_back({{"objects", row.objects},
                         {"dynamic_percent", row.dynamic_percent},
                         {"movers", row.dynamic_objects},
-                        {"method", options::name_of(row.method)},
+                        {"method", name_of(row)},
                         {"shadow_ms", row.shadow_ms},
                         {"buffers_ms", row.buffers_ms},
                         {"textures_ms", row.textures_ms},

@@ -105,7 +105,8 @@ class Section {
     {
         std::vector<std::pair<double, double>> list;
         for (const ShadowTexturesRow& row : result_.rows)
-            if (row.method == method && filter(row)) list.emplace_back(static_cast<double>(x(row)), row.*y);
+            if (row.method == method && !row.by_footprints && filter(row))
+                list.emplace_back(static_cast<double>(x(row)), row.*y);
         std::sort(list.begin(), list.end());
         return list;
     }
@@ -245,7 +246,7 @@ class Section {
                          "identical",
                          "as printed, pixels wrong, %"};
         for (const ShadowTexturesRow& r : result_.rows)
-            table.rows.push_back({{fmt::format("{}, {}, {}", r.objects, r.dynamic_objects, options::name_of(r.method)),
+            table.rows.push_back({{fmt::format("{}, {}, {}", r.objects, r.dynamic_objects, name_of(r)),
                                    fmt::format("{:.2f}", r.shadow_ms), fmt::format("{:.2f}", r.buffers_ms),
                                    fmt::format("{:.2f}", r.textures_ms), fmt::format("{:.3f}", r.shadow_cpu_ms),
                                    fmt::format("{:.2f}", r.frame_ms), fmt::format("{:.1f}", r.draws),

@@ -149,13 +149,16 @@ void LightViews::update(const scene::SceneState& state, const ViewedLights& view
                 project(viewed.lights[l], light, bounds_, views_[v].tile.size, options_.projection);
             for (std::size_t i = v; i < end; ++i) views_[i].projection = projections[i - v];
         }
+        const ListedReceivers listed = !options_.receivers      ? ListedReceivers::none
+                                       : options_.by_footprints ? ListedReceivers::by_footprints
+                                                                : ListedReceivers::behind_changes;
         const bool restless = moves && !holds(viewed.started, l);
         for (; v < end; ++v) {
             LightView& view = views_[v];
             view.shown = light.visible;
             if (light.visible) {
                 if (options_.coherence)
-                    trackers_[v].plan(frame, view.projection, restless, options_.receivers, view.plan);
+                    trackers_[v].plan(frame, view.projection, restless, listed, view.plan);
                 else
                     trackers_[v].plan_full_redraw(frame, view.projection, view.plan);
             } else {

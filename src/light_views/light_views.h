@@ -23,6 +23,7 @@ struct LightViewsOptions {
     int quiet_frames = 8;         // frames at rest after which an object is static
     bool coherence = true;        // false: everything is redrawn in every frame, for comparison
     bool receivers = false;       // also list objects whose shadow textures change
+    bool by_footprints = false;   // those nearer to the light than a change, too, as published; for comparison
     bool of_surfaces = true;      // false: lights that approximate surfaces (Light::of_surface) have no views
     bool of_environment = true;   // false: nor have those that approximate an environment image
     bool directional = true;      // false: nor have other directional lights

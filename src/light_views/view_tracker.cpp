@@ -59,8 +59,8 @@ void join_overlapping(std::vector<Rect>& rects)
 
 }   // namespace
 
-void ViewTracker::plan(const FrameMobility& frame, const ViewProjection& projection, bool restless, bool receivers,
-                       ViewPlan& plan)
+void ViewTracker::plan(const FrameMobility& frame, const ViewProjection& projection, bool restless,
+                       ListedReceivers receivers, ViewPlan& plan)
 {
     plan.clear();
     if (!known_ || !projection_.same_bits(projection)) {
@@ -134,7 +134,7 @@ void ViewTracker::plan_restless(const FrameMobility& frame, ViewPlan& plan)
     touched_ += count;
 }
 
-void ViewTracker::plan_whole(const FrameMobility& frame, bool receivers, ViewPlan& plan)
+void ViewTracker::plan_whole(const FrameMobility& frame, ListedReceivers receivers, ViewPlan& plan)
 {
     plan.kind = ViewPlan::Kind::whole;
     index_.clear();
@@ -148,7 +148,7 @@ void ViewTracker::plan_whole(const FrameMobility& frame, bool receivers, ViewPla
         plan.redraw.push_back({object, 0});
     }
     for (const Drawn& drawn : present_) plan.dynamics.push_back(drawn.object);
-    if (receivers) {
+    if (receivers != ListedReceivers::none) {
         for (const ViewPlan::Redraw& redraw : plan.redraw) plan.receivers.push_back(redraw.object);
         plan.receivers.insert(plan.receivers.end(), plan.dynamics.begin(), plan.dynamics.end());
         std::sort(plan.receivers.begin(), plan.receivers.end());
@@ -158,7 +158,7 @@ void ViewTracker::plan_whole(const FrameMobility& frame, bool receivers, ViewPla
     touched_ += count;
 }
 
-void ViewTracker::plan_incremental(const FrameMobility& frame, bool receivers, ViewPlan& plan)
+void ViewTracker::plan_incremental(const FrameMobility& frame, ListedReceivers receivers, ViewPlan& plan)
 {
     // Classify changes of static objects: objects that left their place (SD), and objects that came to rest (DS).
     for (const scene::ObjectId object : frame.changed) {
@@ -169,7 +169,8 @@ void ViewTracker::plan_incremental(const FrameMobility& frame, bool receivers, V
             index_.erase(object);
         }
         const Rect rect = frame.casters.footprint(projection_, frame.state, object);
-        if (receivers && rect.empty() && (was_static || is_drawn(object))) plan.departed.push_back(object);
+        if (receivers != ListedReceivers::none && rect.empty() && (was_static || is_drawn(object)))
+            plan.departed.push_back(object);
         if (!frame.is_dynamic[object] && !rect.empty()) plan.settle.push_back({object, rect});
     }
 
@@ -181,7 +182,7 @@ void ViewTracker::plan_incremental(const FrameMobility& frame, bool receivers, V
 
     // List where depths may differ from the last frame's, to find the textures to redraw.
     std::vector<Change> dirty;
-    if (receivers) {
+    if (receivers != ListedReceivers::none) {
         for (const Rect& rect : plan.rebuild) dirty.push_back({rect, -k_infinity});
         for (const ViewPlan::Settle& settle : plan.settle)
             dirty.push_back({settle.rect, frame.casters.distance(projection_, frame.state, settle.object).nearest});
@@ -210,13 +211,14 @@ void ViewTracker::plan_incremental(const FrameMobility& frame, bool receivers, V
     for (const ViewPlan::Settle& settle : plan.settle) index_.insert(settle.object, settle.rect);
     for (const Drawn& drawn : present_) plan.dynamics.push_back(drawn.object);
 
-    if (receivers) {
+    if (receivers != ListedReceivers::none) {
         plan.receivers = plan.dynamics;
         for (const Change& change : dirty) {
             found_.clear();
             index_.query(change.rect, found_);
             for (const scene::ObjectId object : found_)
-                if (frame.casters.distance(projection_, frame.state, object).farthest >= change.nearest)
+                if (receivers == ListedReceivers::by_footprints ||
+                    frame.casters.distance(projection_, frame.state, object).farthest >= change.nearest)
                     plan.receivers.push_back(object);
         }
         sort_unique(plan.receivers);

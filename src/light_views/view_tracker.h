@@ -23,14 +23,20 @@ struct FrameMobility {
     const std::vector<char>& is_dynamic;         // by object
 };
 
+/// Which objects whose shadow textures may have changed a plan lists.
+enum class ListedReceivers : std::uint8_t {
+    none,
+    behind_changes,   // whose footprint meets that of a change, unless they lie completely nearer to the light
+    by_footprints     // whose footprint meets that of a change [Oh and Shin 2004, 3.2]
+};
+
 class ViewTracker {
  public:
     ViewTracker(int size, std::size_t object_count) : index_(size, object_count) {}
 
     /// Makes the plan for this frame. Must be called for every frame, or `forget` before the next call.
     /// @param restless   the light moves, so the projection is expected to change again
-    /// @param receivers  also list objects whose shadow textures change
-    void plan(const FrameMobility& frame, const ViewProjection& projection, bool restless, bool receivers,
+    void plan(const FrameMobility& frame, const ViewProjection& projection, bool restless, ListedReceivers receivers,
               ViewPlan& plan);
     /// Without coherence: empties the view and draws everything.
     void plan_full_redraw(const FrameMobility& frame, const ViewProjection& projection, ViewPlan& plan);
@@ -52,9 +58,9 @@ class ViewTracker {
         friend bool operator==(const Drawn&, const Drawn&) = default;
     };
     void place_dynamics(const FrameMobility& frame);
-    void plan_whole(const FrameMobility& frame, bool receivers, ViewPlan& plan);
+    void plan_whole(const FrameMobility& frame, ListedReceivers receivers, ViewPlan& plan);
     void plan_restless(const FrameMobility& frame, ViewPlan& plan);
-    void plan_incremental(const FrameMobility& frame, bool receivers, ViewPlan& plan);
+    void plan_incremental(const FrameMobility& frame, ListedReceivers receivers, ViewPlan& plan);
     bool is_drawn(scene::ObjectId object) const;
     bool affects_view(const FrameMobility& frame) const;
 

@@ -219,6 +219,9 @@ constexpr Option k_options[] = {
     {.name = "as-printed", .subcommands = bit(bench_shadow_textures), .group = k_shadows,
      .help = "follow the paper literally: the texture's colour decides alone, and per-caster draws all casters nearer "
              "than the receiver, whether or not their extents meet"},
+    {.name = "by-footprints", .subcommands = bit(bench_shadow_textures), .group = k_shadows,
+     .help = "also measure coherent as published: it makes the texture of every receiver again whose footprint meets "
+             "that of a change, even if the receiver lies nearer to the light"},
     {.name = "method", .argument = "HOW", .kind = Kind::choice, .choices = k_choices<ShadowTextures>, .repeats = true,
      .subcommands = bit(bench_shadow_textures), .group = k_shadows,
      .help = "methods to measure, as in render. per-caster: draw, for every receiver, the casters before it (slow); "

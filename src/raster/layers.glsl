@@ -65,9 +65,23 @@ vec3 thin_film_reflectance(vec3 f0, float cosine, float thin_film_ior, float nan
     return clamp(result, 0, 1);
 }
 
-vec4 texel_or_one(Triangle t, GpuTextureUse use)
+// The textures of layers, looked up in one loop as those of materials are.
+const int k_specular_color = 0, k_specular = 1, k_transmission = 2, k_thickness = 3, k_iridescence = 4,
+          k_iridescence_thickness = 5, k_sheen_color = 6, k_sheen_roughness = 7, k_clearcoat = 8,
+          k_clearcoat_roughness = 9, k_metal = 10, k_layer_textures = 11;
+
+void look_up_layers(Triangle t, GpuMaterial m, GpuLayers l, out vec4 texel[k_layer_textures])
 {
-    return has(t, use) ? look_up(t, use) : vec4(1);
+    const GpuTextureUse uses[k_layer_textures] = GpuTextureUse[k_layer_textures](
+        l.specular_color_texture, l.specular_texture, l.transmission_texture, l.thickness_texture,
+        l.iridescence_texture, l.iridescence_thickness_texture, l.sheen_color_texture, l.sheen_roughness_texture,
+        l.clearcoat_texture, l.clearcoat_roughness_texture, m.metallic_roughness_texture);
+    for (int i = 0; i < k_layer_textures; ++i) {
+        const GpuTextureUse use = uses[i];
+        vec4 found = vec4(1);
+        if (has(t, use)) found = look_up(t, use);
+        texel[i] = found;
+    }
 }
 
 const float k_sheen_albedos[GNOMON_SHEEN_ROWS * GNOMON_SHEEN_COLUMNS] =
@@ -92,37 +106,38 @@ void add_layers(Triangle t, uint material, inout Surface s)
     const GpuLayers l = layers.at[material];
     const float cosine = clamp(dot(s.normal, s.to_viewer), 0, 1);
     s.thin = true;   // light passes straight
+    vec4 found[k_layer_textures];
+    look_up_layers(t, m, l, found);
 
     // Split the specular reflectance into the dielectric's part and the metal's, and scale the first.
-    float metallic = m.metallic;
-    if (has(t, m.metallic_roughness_texture)) metallic *= look_up(t, m.metallic_roughness_texture).z;
+    const float metallic = m.metallic * found[k_metal].z;
     const float f0 = (m.ior - 1) * (m.ior - 1) / ((m.ior + 1) * (m.ior + 1));
-    const vec3 color = l.specular_color * texel_or_one(t, l.specular_color_texture).xyz;
-    const float strength = l.specular * texel_or_one(t, l.specular_texture).w;
+    const vec3 color = l.specular_color * found[k_specular_color].xyz;
+    const float strength = l.specular * found[k_specular].w;
     s.specular += (1 - metallic) * (strength * min(f0 * color, vec3(1)) - vec3(f0));
     s.specular = max(s.specular, vec3(0));
 
     // Move light between the diffuse and the transmitted part as the texture says.
     if (has(t, l.transmission_texture)) {
-        const float left = look_up(t, l.transmission_texture).x;
+        const float left = found[k_transmission].x;
         s.diffuse += s.transmitted * (1 - left);
         s.ambient += s.transmitted * (1 - left);
         s.transmitted *= left;
     }
-    if (l.thin_walled == 0 && !s.front) s.transmitted *= exp(-l.absorption * (l.thickness * texel_or_one(t, l.thickness_texture).y));
+    if (l.thin_walled == 0 && !s.front) s.transmitted *= exp(-l.absorption * (l.thickness * found[k_thickness].y));
 
-    const float thin_film = l.iridescence * texel_or_one(t, l.iridescence_texture).x;
+    const float thin_film = l.iridescence * found[k_iridescence].x;
     if (thin_film > 0) {
         const float thickness = mix(l.iridescence_thickness_least, l.iridescence_thickness_most,
-                                    texel_or_one(t, l.iridescence_thickness_texture).y);
+                                    found[k_iridescence_thickness].y);
         const float rise = min(pow5(1 - cosine), 0.9999);
         const vec3 seen = thin_film_reflectance(s.specular, cosine, l.iridescence_ior, thickness);
         s.specular = mix(s.specular, clamp((seen - rise) / (1 - rise), 0, 1), thin_film);
     }
 
-    const vec3 sheen = l.sheen_color * texel_or_one(t, l.sheen_color_texture).xyz;
+    const vec3 sheen = l.sheen_color * found[k_sheen_color].xyz;
     if (sheen != vec3(0)) {
-        const float albedo = sheen_albedo(cosine, l.sheen_roughness * texel_or_one(t, l.sheen_roughness_texture).w);
+        const float albedo = sheen_albedo(cosine, l.sheen_roughness * found[k_sheen_roughness].w);
         const float left = 1 - albedo * max(sheen.x, max(sheen.y, sheen.z));
         s.diffuse = s.diffuse * left + sheen * albedo;
         s.ambient = s.ambient * left + sheen * albedo;
@@ -131,10 +146,10 @@ void add_layers(Triangle t, uint material, inout Surface s)
     }
 
     // The coat joins the specular lobe, whose width lies between both.
-    const float coat = l.clearcoat * texel_or_one(t, l.clearcoat_texture).x;
+    const float coat = l.clearcoat * found[k_clearcoat].x;
     if (coat > 0) {
         const float mirrored = coat * schlick_scalar(0.04, cosine);
-        const float coat_roughness = clamp(l.clearcoat_roughness * texel_or_one(t, l.clearcoat_roughness_texture).y, 0, 1);
+        const float coat_roughness = clamp(l.clearcoat_roughness * found[k_clearcoat_roughness].y, 0, 1);
         const float base = max(s.specular.x, max(s.specular.y, s.specular.z)) * (1 - mirrored);
         s.diffuse *= 1 - mirrored;
         s.ambient *= 1 - mirrored;

@@ -58,6 +58,24 @@ vec4 look_up(Triangle t, GpuTextureUse use)
                           apply_to_step(use, t.across.x * a + t.across.y * b));
 }
 
+// The textures of a material. They are looked up in one loop, because compilers expand a look-up wherever it is called,
+// which makes some of them take seconds.
+const int k_base_color = 0, k_metallic_roughness = 1, k_emissive = 2, k_occlusion = 3, k_normals = 4, k_own_textures = 5;
+
+// One where there is no texture.
+void look_up_own(Triangle t, GpuMaterial m, out vec4 texel[k_own_textures])
+{
+    const GpuTextureUse uses[k_own_textures] =
+        GpuTextureUse[k_own_textures](m.base_color_texture, m.metallic_roughness_texture, m.emissive_texture,
+                                      m.occlusion_texture, m.normal_texture);
+    for (int i = 0; i < k_own_textures; ++i) {
+        const GpuTextureUse use = uses[i];
+        vec4 found = vec4(1);
+        if (has(t, use)) found = look_up(t, use);
+        texel[i] = found;
+    }
+}
+
 // Finds the footprint, as find_footprint in src/shading/surface.cpp.
 void find_footprint(inout Triangle t, float double_area, vec3 normal, vec3 direction, float width)
 {
@@ -113,18 +131,18 @@ bool find_tangents(Triangle t, GpuTextureUse use, bool front, vec3 normal, out v
     return tangent != vec3(0);
 }
 
-vec3 mapped_normal(Triangle t, GpuTextureUse use, float normal_scale, bool front, vec3 normal)
+vec3 mapped_normal(Triangle t, GpuTextureUse use, vec4 texel, float normal_scale, bool front, vec3 normal)
 {
     vec3 tangent, bitangent;
     if (!find_tangents(t, use, front, normal, tangent, bitangent)) return normal;
     // A bump on the front is a dent on the back.
     const float scale = front ? normal_scale : -normal_scale;
-    const vec4 texel = look_up(t, use);
     const vec3 n = (2 * texel.xyz - 1) * vec3(scale, scale, 1);
     return unit_or(tangent * n.x + bitangent * n.y + normal * n.z, normal);
 }
 
-void fill_material(Triangle t, GpuMaterial m, inout Surface s)
+/// @param found  by look_up_own()
+void fill_material(Triangle t, GpuMaterial m, vec4 found[k_own_textures], inout Surface s)
 {
     s.model = m.model;
     s.coverage = 1;
@@ -132,8 +150,7 @@ void fill_material(Triangle t, GpuMaterial m, inout Surface s)
     s.thin = false;
     s.ior = 1;
     s.transmitted = s.ambient = s.emissive = s.diffuse = s.specular = vec3(0);
-    vec4 texel = vec4(1);
-    if (has(t, m.base_color_texture)) texel = look_up(t, m.base_color_texture);
+    const vec4 texel = found[k_base_color];
     if (m.model == GNOMON_MODEL_WHITTED) {
         s.diffuse = m.base_color * texel.xyz;
         s.ambient = m.ambient * texel.xyz;
@@ -156,14 +173,9 @@ void fill_material(Triangle t, GpuMaterial m, inout Surface s)
     }
     base *= texel.xyz;
     alpha *= texel.w;
-    float metallic = m.metallic, roughness = m.roughness;
-    if (has(t, m.metallic_roughness_texture)) {
-        const vec4 found = look_up(t, m.metallic_roughness_texture);
-        roughness *= found.y;
-        metallic *= found.z;
-    }
-    s.emissive = m.emissive;
-    if (s.emissive != vec3(0) && has(t, m.emissive_texture)) s.emissive *= look_up(t, m.emissive_texture).xyz;
+    const float metallic = m.metallic * found[k_metallic_roughness].z;
+    const float roughness = m.roughness * found[k_metallic_roughness].y;
+    s.emissive = m.emissive * found[k_emissive].xyz;
     if (m.alpha_mode == GNOMON_ALPHA_BLEND) s.coverage = clamp(alpha, 0, 1);
     s.uncovered = 1 - s.coverage;
     s.roughness = clamp(roughness, 0, 1);
@@ -178,7 +190,7 @@ void fill_material(Triangle t, GpuMaterial m, inout Surface s)
     s.ior = m.ior;
     s.ambient = s.diffuse;
     if (has(t, m.occlusion_texture))
-        s.ambient *= 1 + m.occlusion_strength * (look_up(t, m.occlusion_texture).x - 1);
+        s.ambient *= 1 + m.occlusion_strength * (found[k_occlusion].x - 1);
 }
 
 // Finds where the ray meets the triangle's plane [Moller and Trumbore 1997]; the triangle's middle where it is seen
@@ -250,10 +262,13 @@ Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float
 
     find_footprint(t, double_area, s.geometric_normal, direction, cone_width + s.distance * cone_spread);
     const GpuMaterial material = materials.at[draws.at[draw].material];
+    vec4 texels_found[k_own_textures];
+    look_up_own(t, material, texels_found);
     if (has(t, material.normal_texture))
-        s.normal = mapped_normal(t, material.normal_texture, material.normal_scale, s.front, s.normal);
+        s.normal = mapped_normal(t, material.normal_texture, texels_found[k_normals], material.normal_scale, s.front,
+                                 s.normal);
     const float facing = dot(s.normal, s.to_viewer);
     if (facing < 0) s.normal = unit_or(s.normal - (facing - 1e-3) * s.to_viewer, s.geometric_normal);
-    fill_material(t, material, s);
+    fill_material(t, material, texels_found, s);
     return s;
 }

@@ -4,38 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tuple>
+
+#include "scene/convex_hull.h"
 
 namespace gnomon::scene {
 
 namespace {
 
 constexpr std::size_t k_pending = 4096;   // points that are collected before the hulls are reduced
-
-double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c)
-{
-    return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-}
-
-// Keeps the corners of the convex hull [Andrew 1979].
-void reduce(std::vector<glm::dvec2>& points)
-{
-    std::sort(points.begin(), points.end(),
-              [](const glm::dvec2& a, const glm::dvec2& b) { return std::tie(a.x, a.y) < std::tie(b.x, b.y); });
-    points.erase(std::unique(points.begin(), points.end()), points.end());
-    if (points.size() < 3) return;
-    std::vector<glm::dvec2> hull;
-    for (int side = 0; side < 2; ++side) {
-        const std::size_t first = hull.size();
-        for (const glm::dvec2& p : points) {
-            while (hull.size() >= first + 2 && turn(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
-            hull.push_back(p);
-        }
-        hull.pop_back();   // it begins the other side
-        std::reverse(points.begin(), points.end());
-    }
-    points = std::move(hull);
-}
 
 // How far the points of a hull lie to either side, seen along a line of this tangent.
 struct Extent {
@@ -77,7 +53,7 @@ void CameraFit::add(const glm::dvec3& p)
     hulls_[0].emplace_back(p.z, p.x);
     hulls_[1].emplace_back(p.z, p.y);
     if (hulls_[0].size() < std::max(k_pending, 2 * reduced_)) return;
-    for (auto& hull : hulls_) reduce(hull);
+    for (auto& hull : hulls_) reduce_to_hull(hull);
     reduced_ = std::max(hulls_[0].size(), hulls_[1].size());
     // Both have the same length, so that either one says when to reduce.
     for (auto& hull : hulls_) hull.resize(reduced_, hull.back());

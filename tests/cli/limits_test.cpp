@@ -174,6 +174,21 @@ TEST(Limits, TimePasses)
     EXPECT_TRUE(names_in(folder.path()).empty());
 }
 
+TEST(Limits, APathOnADriveIsAbsoluteAndNotRemote)
+{
+    const ScratchFolder folder;
+    for (const auto& [uri, problem] :
+         {std::pair("C:/t.png", "is an absolute path"), {"https://a/t.png", "is a remote"}}) {
+        std::ofstream(folder / "scene.gltf") << fmt::format(
+            R"({{"asset":{{"version":"2.0"}},"images":[{{"uri":"{}"}}],"textures":[{{"source":0}}],"materials":[
+            {{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}}}}}}]}})",
+            uri);
+        const Outcome outcome = run({"info", folder / "scene.gltf"});
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_NE(outcome.err.find(problem), std::string::npos) << outcome.err;
+    }
+}
+
 TEST(Limits, NamesInMessagesAreOneLine)
 {
     const ScratchFolder folder;

@@ -43,6 +43,22 @@ TEST(BenchShadowTextures, CountsTheWorkOfEachMethod)
     }
 }
 
+// As published, textures of receivers nearer to the light than a change are made again, too: the result is the same.
+TEST(BenchShadowTextures, FootprintsAloneMakeMoreTexturesAgain)
+{
+    const Outcome outcome =
+        run({"bench", "shadow-textures", "--objects", "40", "--dynamic", "10", "--vertices", "60", "--size", "32x24",
+             "--frames", "3", "--method", "coherent", "--by-footprints", "--json", "--quiet"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const json rows = outcome.json()["rows"];
+    ASSERT_EQ(rows.size(), 2u);
+    EXPECT_EQ(rows[0]["method"], "coherent");
+    EXPECT_EQ(rows[1]["method"], "by-footprints");
+    EXPECT_GT(rows[0]["textures_updated"], 0);
+    EXPECT_GT(rows[1]["textures_updated"].get<double>(), rows[0]["textures_updated"].get<double>());
+    for (const json& row : rows) EXPECT_TRUE(row["identical_to_full"].get<bool>());
+}
+
 // The previous method leaves out casters beside the receiver, as printed it draws them; the textures are the same.
 TEST(BenchShadowTextures, PreviousMethodDrawsMoreAsPrinted)
 {

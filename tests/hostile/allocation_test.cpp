@@ -219,7 +219,7 @@ class Frames {
 
 TEST(FailingRenderAllocations, EndTheFrameAndTheNextIsComplete)
 {
-    constexpr int k_tries = 60, k_seconds = 120 * test::k_patience;
+    constexpr int k_tries = 30, k_seconds = 120 * test::k_patience;
     Children children;
     Shared& shared = children.shared();
     children.run(

@@ -84,10 +84,10 @@ TEST(CullingBench, ReflectedHitsAreTestedAndNothingIsWrong)
 {
     const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("kinetic"));
     CullingBenchOptions options;
-    options.frames = {20, 24};
+    options.frames = {20, 23};
     options.size = {160, 90};
     options.counts = false;   // its kd-tree takes seconds to build
-    options.repeat = 2;
+    options.repeat = 1;
     const CullingBenchResult primary = bench_culling(scene, options);
     options.max_depth = 6;
     const CullingBenchResult deep = bench_culling(scene, options);

@@ -25,17 +25,17 @@ class Straight : public TransformTrack {
 };
 
 // A static cloud of triangles, and one that moves `there`.
-Scene clouds(std::uint64_t seed, const glm::dvec3& there)
+Scene clouds(std::uint64_t seed, const glm::dvec3& there, std::uint32_t vertices = 30)
 {
     Random random(seed);
     Scene scene;
     scene.materials.emplace_back();
     Mesh mesh;
     const glm::vec3 size(random.uniform(0.2f, 4), random.uniform(0.2f, 4), random.uniform(0.2f, 4));
-    for (std::uint32_t i = 0; i < 30; ++i)
+    for (std::uint32_t i = 0; i < vertices; ++i)
         mesh.positions.push_back(size * glm::vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)));
-    for (std::uint32_t i = 0; i < 30; i += 3) mesh.triangles.emplace_back(i, i + 1, i + 2);
-    mesh.parts = {{0, 0, 10}};
+    for (std::uint32_t i = 0; i < vertices; i += 3) mesh.triangles.emplace_back(i, i + 1, i + 2);
+    mesh.parts = {{0, 0, vertices / 3}};
     scene.meshes.push_back(mesh);
     scene.add_node("still", none);
     scene.add_node("goes", none);
@@ -151,6 +151,36 @@ TEST(Framing, EveryFrameOfAShortClipIsWhole)
         const glm::dvec2 most = reach(scene, options, framed.eye(1), scene.timeline.time_of(frame), 1);
         EXPECT_LE(std::max(most.x, most.y), 1 / options.margin + 1e-3) << frame;
     }
+}
+
+TEST(Framing, OfManyVerticesTheOuterOnesSuffice)
+{
+    const FramingOptions options = from_the_right();
+    const glm::dvec3 there(0.7, 1.2, -0.4);
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        const Scene scene = clouds(seed, there, 30'000);
+        const Framed framed = frame_clip(scene, options);
+        CameraFit all({options.vertical_fov, options.margin, 0});
+        const glm::dmat3 to_camera = glm::transpose(framed.axes);
+        for (int look = 0; look < options.looks; ++look)
+            for (const glm::vec3& p : scene.meshes[0].positions) {
+                all.add(to_camera * glm::dvec3(p));
+                all.add(to_camera * (glm::dvec3(p) + look / (options.looks - 1.0) * there));
+            }
+        for (const double aspect : {0.4, 1.0, 3.0}) {
+            const glm::dvec3 difference = framed.eye(aspect) - framed.axes * all.eye(aspect);
+            EXPECT_LT(glm::length(difference), 1e-5 * framed.size) << seed << ' ' << aspect;
+        }
+    }
+}
+
+TEST(Framing, TheBoxOfAClipIsThatOfItsFraming)
+{
+    const Scene scene = clouds(5, {0.7, 1.2, -0.4});
+    const Framed framed = frame_clip(scene, {}), box = box_of_clip(scene);
+    EXPECT_EQ(box.box.low, framed.box.low);
+    EXPECT_EQ(box.box.high, framed.box.high);
+    EXPECT_EQ(box.size, framed.size);
 }
 
 TEST(Framing, DistantObjectsDoNotShrinkTheRest)

@@ -24,6 +24,19 @@ double load(const std::uint8_t* bytes)
 
 constexpr std::uint64_t k_glb_padding = 3;   // a binary chunk ends on a multiple of four
 
+// Why a resource is not loaded that lies neither in the file nor in its folder; null: it may.
+const char* why_elsewhere(const Resource& resource)
+{
+    switch (resource.kind) {
+        case Resource::Kind::remote:
+            return "is a remote resource; only files in the scene's folder and data URIs are loaded";
+        case Resource::Kind::drive:
+            return "is an absolute path; only files in the scene's folder and data URIs are loaded";
+        default:
+            return nullptr;
+    }
+}
+
 }   // namespace
 
 double component_value(const std::uint8_t* bytes, Component type)
@@ -83,9 +96,8 @@ Data::Data(const Model& model, const std::filesystem::path& file, std::optional<
                 context.warn(here, "the GLB's binary chunk is longer than the buffer");
         } else {
             Resource resource = parse_uri(*buffer.uri, uri_place, context);
-            if (resource.kind == Resource::Kind::remote) {
-                context.warn(uri_place,
-                             "is a remote resource; only files in the scene's folder and data URIs are loaded");
+            if (const char* const why = why_elsewhere(resource)) {
+                context.warn(uri_place, why);
                 bytes.remote = true;
                 continue;
             }
@@ -148,8 +160,8 @@ std::vector<std::uint8_t> Data::resource_bytes(const std::string& uri, const std
                                                std::string& mime_type)
 {
     Resource resource = parse_uri(uri, pointer, context_);
-    if (resource.kind == Resource::Kind::remote) {
-        context_.warn(pointer, "is a remote resource; only files in the scene's folder and data URIs are loaded");
+    if (const char* const why = why_elsewhere(resource)) {
+        context_.warn(pointer, why);
         return {};
     }
     if (resource.kind == Resource::Kind::data) {

@@ -23,7 +23,7 @@ namespace gnomon::io::gltf {
 
 /// The resource that a URI refers to.
 struct Resource {
-    enum class Kind : std::uint8_t { data, file, remote };
+    enum class Kind : std::uint8_t { data, file, remote, drive };   // drive: an absolute path such as C:/a.png
     Kind kind = Kind::file;
     std::string mime_type;             // of a data URI
     std::vector<std::uint8_t> bytes;   // of a data URI

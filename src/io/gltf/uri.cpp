@@ -116,9 +116,10 @@ Resource parse_uri(const std::string& uri, const std::string& pointer, const Con
         if (scheme == "data") return parse_data_uri(std::string_view(uri).substr(delimiter + 1), pointer, context);
         if (scheme == "file")
             context.fail(pointer, "file URIs are not allowed: use a path relative to the scene's folder");
-        Resource remote;
-        remote.kind = Resource::Kind::remote;
-        return remote;
+        // No scheme has a single letter, but drives have.
+        Resource elsewhere;
+        elsewhere.kind = scheme.size() == 1 ? Resource::Kind::drive : Resource::Kind::remote;
+        return elsewhere;
     }
     if (uri.rfind("//", 0) == 0) {
         Resource remote;

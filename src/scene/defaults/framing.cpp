@@ -2,7 +2,10 @@
 #include "scene/defaults/framing.h"
 
 #include <algorithm>
+#include <limits>
+#include <optional>
 
+#include "scene/convex_hull.h"
 #include "scene/state.h"
 
 namespace gnomon::scene {
@@ -12,39 +15,75 @@ namespace {
 constexpr double k_least_distance = 0.05;   // in front of the nearest point, as a fraction of the scene's size
 constexpr double k_least_size = 1e-6;
 
-// What the image must show.
-struct Content {
-    CameraFit fit;
-    glm::dmat3 to_camera;
-    Box3 box;
-
-    Content(const FramingOptions& options, const glm::dmat3& axes)
-        : fit(CameraFit::Lens{options.vertical_fov, options.margin, 0}), to_camera(glm::transpose(axes))
+// Of many points, a camera need not fit those within polygons that it fits already. The nearest ones count, too.
+class OuterPoints {
+ public:
+    bool is_inner(const glm::dvec3& p)
     {
+        if (polygons_[0].contains({p.z, p.x}) && polygons_[1].contains({p.z, p.y}) && p.z <= nearest_) return true;
+        nearest_ = std::max(nearest_, p.z);
+        points_[0].emplace_back(p.z, p.x);
+        points_[1].emplace_back(p.z, p.y);
+        if (points_[0].size() < k_pending) return false;
+        for (int axis = 0; axis < 2; ++axis) {
+            hulls_[axis].insert(hulls_[axis].end(), points_[axis].begin(), points_[axis].end());
+            points_[axis].clear();
+            reduce_to_hull(hulls_[axis]);
+            polygons_[axis] = InnerPolygon(hulls_[axis]);
+        }
+        return false;
     }
+
+ private:
+    static constexpr std::size_t k_pending = 1024;   // points that are collected before the polygons grow
+    std::vector<glm::dvec2> points_[2], hulls_[2];
+    InnerPolygon polygons_[2];
+    double nearest_ = -std::numeric_limits<double>::max();
+};
+
+// What the image must show: its box, and unless that suffices, what a camera must fit.
+struct Content {
+    std::optional<CameraFit> fit;
+    glm::dmat3 to_camera{1};
+    Box3 box;
+    OuterPoints outer;
+
     void add(const glm::vec3& p)
     {
-        fit.add(to_camera * glm::dvec3(p));
         box.add(p);
+        if (!fit) return;
+        const glm::dvec3 from_camera = to_camera * glm::dvec3(p);
+        if (!outer.is_inner(from_camera)) fit->add(from_camera);
     }
 };
 
-void add_object(const SceneState& state, ObjectId id, Content& content)
-{
-    if (!state.object_visible(id)) return;
-    const Scene& scene = state.scene();
-    const Object& object = scene.objects[id];
-    const glm::mat4 world = state.object_matrix(id);
-    const std::vector<glm::vec3>& positions =
-        object.deforming ? state.deformed(id).positions : scene.meshes[object.mesh].positions;
-    // A vertex may belong to many triangles, and to none.
-    std::vector<char> used(positions.size());
-    for (const glm::uvec3& triangle : scene.meshes[object.mesh].triangles)
-        for (int i = 0; i < 3; ++i) used[triangle[i]] = 1;
-    for (std::size_t v = 0; v < positions.size(); ++v)
-        if (used[v])
-            if (const glm::vec3 p = transform_point(world, positions[v]); is_finite(p)) content.add(p);
-}
+// Collects the vertices of objects.
+class Collector {
+ public:
+    explicit Collector(const Scene& scene) : used_(scene.meshes.size()) {}
+
+    void add(const SceneState& state, ObjectId id, Content& content)
+    {
+        if (!state.object_visible(id)) return;
+        const Object& object = state.scene().objects[id];
+        const Mesh& mesh = state.scene().meshes[object.mesh];
+        const glm::mat4 world = state.object_matrix(id);
+        const std::vector<glm::vec3>& positions = object.deforming ? state.deformed(id).positions : mesh.positions;
+        // A vertex may belong to many triangles, and to none.
+        std::vector<char>& used = used_[object.mesh];
+        if (used.empty()) {
+            used.resize(positions.size());
+            for (const glm::uvec3& triangle : mesh.triangles)
+                for (int i = 0; i < 3; ++i) used[triangle[i]] = 1;
+        }
+        for (std::size_t v = 0; v < positions.size(); ++v)
+            if (used[v])
+                if (const glm::vec3 p = transform_point(world, positions[v]); is_finite(p)) content.add(p);
+    }
+
+ private:
+    std::vector<std::vector<char>> used_;   // by mesh and vertex
+};
 
 // The number of times at which a clip is looked at.
 int looks_at(const Scene& scene, const FramingOptions& options)
@@ -54,8 +93,43 @@ int looks_at(const Scene& scene, const FramingOptions& options)
     for (const Object& object : scene.objects)
         if (object.dynamic) vertices += scene.meshes[object.mesh].positions.size();
     const double frames = std::min(static_cast<double>(scene.timeline.frames), k_most);
-    const auto affordable = static_cast<double>(options.vertices / vertices);
-    return std::max(options.looks, static_cast<int>(std::min(frames, affordable)));
+    const std::size_t affordable = options.vertices / vertices;
+    return std::max(options.looks, static_cast<int>(std::min(frames, static_cast<double>(affordable))));
+}
+
+// Collects what a clip shows, from nothing but what `content` says.
+Content content_of_clip(const Scene& scene, const FramingOptions& options, Content content)
+{
+    const double start = scene.timeline.start, length = scene.timeline.end - start;
+    const auto objects = static_cast<ObjectId>(scene.objects.size());
+    SceneState state({std::shared_ptr<const Scene>(), &scene}, start);   // the pointer does not own the scene
+    Collector collector(scene);
+    Content& first = content;
+    // Begin with some objects all over the scene, so that most of the others lie within what these need.
+    constexpr ObjectId k_stride = 64;
+    std::vector<ObjectId> order;
+    for (ObjectId id = 0; id < objects; id += k_stride) order.push_back(id);
+    for (ObjectId id = 0; id < objects; ++id)
+        if (id % k_stride != 0) order.push_back(id);
+    for (const ObjectId id : order) collector.add(state, id, first);
+    std::erase_if(order, [&](ObjectId id) { return !scene.objects[id].dynamic; });
+    Content all = first;
+    const int looks = length > 0 ? looks_at(scene, options) : 1;
+    for (int look = 1; look < looks; ++look) {
+        state.advance(start + length * look / (looks - 1));
+        for (const ObjectId id : order) collector.add(state, id, all);
+    }
+    const bool goes_far = !first.box.empty() && all.box.diagonal() > options.widest_clip * first.box.diagonal();
+    Content result = std::move(goes_far ? first : all);
+    if (result.box.empty())
+        for (int corner = 0; corner < 8; ++corner)
+            result.add({corner & 1 ? 0.6f : -0.6f, corner & 2 ? 0.6f : -0.6f, corner & 4 ? 0.6f : -0.6f});
+    return result;
+}
+
+double size_of(const Content& content)
+{
+    return std::max(static_cast<double>(content.box.diagonal()), k_least_size);
 }
 
 }   // namespace
@@ -70,27 +144,22 @@ Framed frame_clip(const Scene& scene, const FramingOptions& options)
 {
     Framed framed;
     framed.axes = camera_axes(options.back);
-    const double start = scene.timeline.start, length = scene.timeline.end - start;
-    const auto objects = static_cast<ObjectId>(scene.objects.size());
-    SceneState state({std::shared_ptr<const Scene>(), &scene}, start);   // the pointer does not own the scene
-    Content first(options, framed.axes);
-    for (ObjectId id = 0; id < objects; ++id) add_object(state, id, first);
-    Content all = first;
-    const int looks = length > 0 ? looks_at(scene, options) : 1;
-    for (int look = 1; look < looks; ++look) {
-        state.advance(start + length * look / (looks - 1));
-        for (ObjectId id = 0; id < objects; ++id)
-            if (scene.objects[id].dynamic) add_object(state, id, all);
-    }
-    const bool goes_far = !first.box.empty() && all.box.diagonal() > options.widest_clip * first.box.diagonal();
-    Content& content = goes_far ? first : all;
-    if (content.box.empty())
-        for (int corner = 0; corner < 8; ++corner)
-            content.add({corner & 1 ? 0.6f : -0.6f, corner & 2 ? 0.6f : -0.6f, corner & 4 ? 0.6f : -0.6f});
+    Content content = content_of_clip(
+        scene, options,
+        {CameraFit(CameraFit::Lens{options.vertical_fov, options.margin, 0}), glm::transpose(framed.axes), {}, {}});
     framed.box = content.box;
-    framed.size = std::max(static_cast<double>(content.box.diagonal()), k_least_size);
-    content.fit.set_least_distance(k_least_distance * framed.size);
-    framed.fit = std::make_shared<const CameraFit>(std::move(content.fit));
+    framed.size = size_of(content);
+    content.fit->set_least_distance(k_least_distance * framed.size);
+    framed.fit = std::make_shared<const CameraFit>(*std::move(content.fit));
+    return framed;
+}
+
+Framed box_of_clip(const Scene& scene)
+{
+    const Content content = content_of_clip(scene, {}, {});
+    Framed framed;
+    framed.box = content.box;
+    framed.size = size_of(content);
     return framed;
 }
 

@@ -35,6 +35,9 @@ struct Framed {
 /// Frames a scene without vertices like a sphere of radius 1. Call after finish().
 Framed frame_clip(const Scene& scene, const FramingOptions& options);
 
+/// The box and the size alone, of all that frame_clip() frames with default options.
+Framed box_of_clip(const Scene& scene);
+
 /// Right, up and back of a camera that looks along -back.
 glm::dmat3 camera_axes(const glm::dvec3& back);
 

@@ -123,8 +123,8 @@ float share_reached(const Scene& scene)
 
 void add_ground(Scene& scene, const char* name)
 {
-    const Framed framed = frame_clip(scene, {});
     if (scene.objects.empty()) return;
+    const Framed framed = box_of_clip(scene);
     const glm::dvec3 middle(framed.box.centre());
     const double radius = k_ground_radius * framed.size;
     Material material;

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
-#include <unordered_set>
+#include <bit>
+#include <cstdint>
 
 #include "base/interruption.h"
 
@@ -13,6 +13,7 @@ namespace gnomon::scene {
 namespace {
 
 constexpr double k_looked_up = 64;       // pixels of a box around a triangle above which it is compared with others
+constexpr double k_far = 1e6;            // pixels: of corners that lie farther away, crossings are not precise
 constexpr float k_see_through = 0.02f;   // alpha below which a blended surface does not count
 
 struct Surface {
@@ -25,7 +26,10 @@ struct Surface {
 
 class Painter {
  public:
-    Painter(TestImage& image, double half, double near) : image_(image), scale_(0.5 * image.side / half), near_(near) {}
+    Painter(TestImage& image, double half, double near)
+        : image_(image), scale_(0.5 * image.side / half), near_(near), shown_(image.pixels.size())
+    {
+    }
 
     /// @param p  right, up, back of each corner
     void add(const glm::dvec3 (&p)[3], const Surface& surface)
@@ -42,6 +46,13 @@ class Painter {
         for (int i = 2; i < count; ++i) fill({kept[0], kept[i - 1], kept[i]}, p, surface);
     }
 
+    /// Computes the positions at the pixels. Call once, after add().
+    void finish()
+    {
+        for (std::size_t at = 0; at < shown_.size(); ++at)
+            if (image_.pixels[at].object != none) place(at);
+    }
+
  private:
     void fill(const std::array<glm::dvec3, 3>& p, const glm::dvec3 (&whole)[3], const Surface& surface)
     {
@@ -53,37 +64,62 @@ class Painter {
             low = glm::min(low, at[i]), high = glm::max(high, at[i]);
         }
         // A surface that lies exactly on one that was drawn changes no pixel. Small ones are drawn faster than found.
-        if ((high.x - low.x) * (high.y - low.y) > k_looked_up && !drawn_.insert({p, surface.seen}).second) return;
+        if ((high.x - low.x) * (high.y - low.y) > k_looked_up && !drawn_.insert({p, surface.seen})) return;
         const double area = (at[1].x - at[0].x) * (at[2].y - at[0].y) - (at[1].y - at[0].y) * (at[2].x - at[0].x);
         if (area == 0 || !std::isfinite(area)) return;
         const auto first = [](double v) { return static_cast<int>(std::ceil(std::max(v, 0.0) - 0.5)); };
         const auto last = [&](double v) { return static_cast<int>(std::floor(std::min(v, side - 0.5) - 0.5)); };
-        for (int y = first(low.y); y <= last(high.y); ++y)
-            for (int x = first(low.x); x <= last(high.x); ++x) {
+        // A row meets the triangle between the crossings of its sides, one pixel more or less.
+        const int left = first(low.x), right = last(high.x);
+        const bool is_near = std::max({-low.x, -low.y, high.x, high.y}) < k_far;
+        for (int y = first(low.y); y <= last(high.y); ++y) {
+            double from = left, to = right;
+            for (int i = 0; i < 3; ++i) {
+                const glm::dvec2 &b = at[(i + 1) % 3], &c = at[(i + 2) % 3];
+                const double rise = c.y - b.y;
+                const double crossing = b.x + (c.x - b.x) * (y + 0.5 - b.y) / rise - 0.5;
+                if (!is_near || !std::isfinite(crossing)) continue;
+                ((rise > 0) == (area > 0) ? to : from) =
+                    (rise > 0) == (area > 0) ? std::min(to, crossing + 1) : std::max(from, crossing - 1);
+            }
+            for (int x = static_cast<int>(from); x <= static_cast<int>(to); ++x) {
                 const glm::dvec2 centre(x + 0.5, y + 0.5);
-                double weight[3], reciprocal = 0;
+                double twice[3];   // the areas of three triangles with the centre as a corner
                 bool inside = true;
                 for (int i = 0; i < 3; ++i) {
                     const glm::dvec2 &b = at[(i + 1) % 3], &c = at[(i + 2) % 3];
-                    weight[i] = ((c.x - b.x) * (centre.y - b.y) - (c.y - b.y) * (centre.x - b.x)) / area;
-                    inside = inside && weight[i] >= 0;
-                    reciprocal -= weight[i] / p[i].z;
+                    twice[i] = (c.x - b.x) * (centre.y - b.y) - (c.y - b.y) * (centre.x - b.x);
+                    inside = inside & (area > 0 ? twice[i] >= 0 : twice[i] <= 0);
                 }
-                if (inside && reciprocal > 0)
-                    put(image_.pixels[static_cast<std::size_t>(y) * side + x], 1 / reciprocal, centre, whole, surface);
+                if (!inside) continue;
+                double reciprocal = 0;
+                for (int i = 0; i < 3; ++i) reciprocal -= twice[i] / area / p[i].z;
+                if (reciprocal > 0) put(static_cast<std::size_t>(y) * side + x, 1 / reciprocal, whole, surface);
             }
+        }
     }
 
-    void put(TestPixel& pixel, double depth, const glm::dvec2& centre, const glm::dvec3 (&p)[3],
-             const Surface& surface) const
+    void put(std::size_t at, double depth, const glm::dvec3 (&p)[3], const Surface& surface)
     {
+        TestPixel& pixel = image_.pixels[at];
         const auto far = static_cast<float>(depth);
         pixel.first = std::min(pixel.first, far);
         if (!surface.seen || !(far < pixel.depth)) return;
         pixel.depth = far;
         pixel.object = surface.object, pixel.triangle = surface.triangle, pixel.from_behind = surface.from_behind;
         pixel.normal = surface.normal;
-        // The point on the triangle, from its coordinates in the camera's space.
+        Shown& shown = shown_[at];
+        shown.depth = depth;
+        for (int i = 0; i < 3; ++i) shown.p[i] = p[i], shown.corner[i] = surface.corner[i];
+    }
+
+    // The point of a triangle that a pixel shows, from its coordinates in the camera's space.
+    void place(std::size_t at)
+    {
+        const auto side = static_cast<std::size_t>(image_.side);
+        const std::size_t row = at / side;
+        const glm::dvec2 centre(static_cast<double>(at % side) + 0.5, static_cast<double>(row) + 0.5);
+        const auto& [p, corner, depth] = shown_[at];
         const glm::dvec3 point((centre.x - 0.5 * image_.side) / scale_ * depth,
                                (0.5 * image_.side - centre.y) / scale_ * depth, -depth);
         const glm::dvec3 e1 = p[1] - p[0], e2 = p[2] - p[0], n = glm::cross(e1, e2), d = point - p[0];
@@ -91,28 +127,65 @@ class Painter {
         if (!(square > 0)) return;
         const auto u = static_cast<float>(std::clamp(glm::dot(glm::cross(d, e2), n) / square, 0.0, 1.0));
         const auto v = static_cast<float>(std::clamp(glm::dot(glm::cross(e1, d), n) / square, 0.0, 1.0));
-        pixel.position = surface.corner[0] + u * (surface.corner[1] - surface.corner[0]) +
-                         v * (surface.corner[2] - surface.corner[0]);
+        image_.pixels[at].position = corner[0] + u * (corner[1] - corner[0]) + v * (corner[2] - corner[0]);
     }
 
+    struct Shown {
+        glm::dvec3 p[3];       // in the camera's space
+        glm::vec3 corner[3];   // world space
+        double depth = 0;
+    };
     struct Drawn {
         std::array<glm::dvec3, 3> p;
         bool seen = false;
         bool operator==(const Drawn&) const = default;
     };
-    struct HashOfDrawn {
-        std::size_t operator()(const Drawn& drawn) const
+    // A set of them: indices in a list, by hash, with linear probing.
+    class DrawnSet {
+     public:
+        bool insert(const Drawn& drawn)
         {
-            std::size_t hash = drawn.seen;
+            if (2 * (list_.size() + 1) > slots_.size()) grow();
+            const std::uint64_t hash = hash_of(drawn);
+            for (std::size_t slot = hash & (slots_.size() - 1);; slot = (slot + 1) & (slots_.size() - 1)) {
+                if (slots_[slot] == none) {
+                    slots_[slot] = static_cast<std::uint32_t>(list_.size());
+                    list_.emplace_back(hash, drawn);
+                    return true;
+                }
+                if (const auto& [other_hash, other] = list_[slots_[slot]]; other_hash == hash && other == drawn)
+                    return false;
+            }
+        }
+
+     private:
+        static std::uint64_t hash_of(const Drawn& drawn)
+        {
+            std::uint64_t hash = drawn.seen;
             for (const glm::dvec3& corner : drawn.p)
-                for (int c = 0; c < 3; ++c) hash = hash * 0x9e3779b97f4a7c15u ^ std::hash<double>()(corner[c]) >> 7;
+                for (int c = 0; c < 3; ++c) {
+                    hash = (hash ^ std::bit_cast<std::uint64_t>(corner[c] + 0.0)) * 0x9e3779b97f4a7c15u;   // -0 is 0
+                    hash ^= hash >> 29;
+                }
             return hash;
         }
+        void grow()
+        {
+            slots_.assign(std::max<std::size_t>(2 * slots_.size(), 1024), none);
+            for (std::size_t i = 0; i < list_.size(); ++i) {
+                std::size_t slot = list_[i].first & (slots_.size() - 1);
+                while (slots_[slot] != none) slot = (slot + 1) & (slots_.size() - 1);
+                slots_[slot] = static_cast<std::uint32_t>(i);
+            }
+        }
+        std::vector<std::pair<std::uint64_t, Drawn>> list_;
+        std::vector<std::uint32_t> slots_;
     };
 
     TestImage& image_;
     double scale_, near_;
-    std::unordered_set<Drawn, HashOfDrawn> drawn_;
+    std::vector<Shown> shown_;   // by pixel with an object
+    DrawnSet drawn_;
 };
 
 }   // namespace
@@ -139,6 +212,8 @@ TestImage draw_test_image(const SceneState& state, const glm::dvec3& eye, const 
     Painter painter(image, std::tan(options.vertical_fov / 2), options.near);
     const glm::dmat3 to_camera = glm::transpose(axes);
     const Scene& scene = state.scene();
+    std::vector<glm::vec3> at;
+    std::vector<glm::dvec3> from_camera;
     for (ObjectId id = 0; id < scene.objects.size(); ++id) {
         interruption_point();
         if (!state.object_visible(id)) continue;
@@ -147,8 +222,8 @@ TestImage draw_test_image(const SceneState& state, const glm::dvec3& eye, const 
         const std::vector<glm::vec3>& positions = object.deforming ? state.deformed(id).positions : mesh.positions;
         const glm::mat4 world = state.object_matrix(id);
         const bool mirrored = glm::determinant(glm::mat3(world)) < 0;
-        std::vector<glm::vec3> at(positions.size());
-        std::vector<glm::dvec3> from_camera(positions.size());
+        at.resize(positions.size());
+        from_camera.resize(positions.size());
         for (std::size_t v = 0; v < positions.size(); ++v) {
             at[v] = transform_point(world, positions[v]);
             from_camera[v] = to_camera * (glm::dvec3(at[v]) - eye);
@@ -174,6 +249,7 @@ TestImage draw_test_image(const SceneState& state, const glm::dvec3& eye, const 
             }
         }
     }
+    painter.finish();
     return image;
 }
 
