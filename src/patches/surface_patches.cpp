@@ -87,8 +87,7 @@ SurfacePatches::SurfacePatches(const scene::SceneState& state, const ray::RaySce
             samples.push_back({part.middle, part.area, static_cast<std::int8_t>(facing_of(part.normal))});
         const DetailCells cubes(samples, static_cast<std::size_t>(cells));
         std::vector<float> width(area_.size(), k_infinity);   // by unit: the least of its cubes
-        for (const Part& part : parts)
-            width[part.unit] = std::min(width[part.unit], cubes.cube_at(part.middle).width);
+        for (const Part& part : parts) width[part.unit] = std::min(width[part.unit], cubes.cube_at(part.middle).width);
         divide(
             rays, [&](std::uint32_t unit) { return width[unit]; }, tasks, parts);
         sort_sides(cubes, tasks, parts, sides);
@@ -185,7 +184,7 @@ void SurfacePatches::group_meshes(const scene::SceneState& state, const ray::Ray
     struct Use {
         const glm::vec3* positions = nullptr;
         scene::ObjectId object = 0;
-        double area = 0;   // in the space of the mesh
+        double area = 0;    // in the space of the mesh
         double scale = 0;   // of areas, by the largest instance
         std::uint32_t groups = 0;
     };
@@ -200,7 +199,8 @@ void SurfacePatches::group_meshes(const scene::SceneState& state, const ray::Ray
             Use& use = uses.emplace_back(Use{geometry.positions, o, 0, 0, 0});
             for (const glm::uvec3& t : geometry.mesh->triangles) {
                 const glm::vec3 a = geometry.positions[t.x];
-                const float own = 0.5f * glm::length(glm::cross(geometry.positions[t.y] - a, geometry.positions[t.z] - a));
+                const float own =
+                    0.5f * glm::length(glm::cross(geometry.positions[t.y] - a, geometry.positions[t.z] - a));
                 if (std::isfinite(own)) use.area += static_cast<double>(own);
             }
         }
@@ -540,8 +540,8 @@ std::vector<glm::vec3> SurfacePatches::albedo(const scene::Scene& scene, const r
                 const auto unit = static_cast<std::uint32_t>(after - first_part_.begin() - 1);
                 const scene::ObjectId index = object_of(unit);
                 const glm::vec2 at = middle_of(place.part, unit);
-                sum += place.area * lighting::albedo(scene, rays.geometry(objects_[index]), triangle_of(index, unit),
-                                                     at.x, at.y);
+                sum += place.area *
+                       lighting::albedo(scene, rays.geometry(objects_[index]), triangle_of(index, unit), at.x, at.y);
                 area += place.area;
             }
             result[p] = glm::clamp(sum / area, glm::vec3(0), glm::vec3(k_most_albedo));
@@ -554,8 +554,7 @@ std::size_t SurfacePatches::bytes() const
 {
     std::size_t bytes = 0;
     for (const TriangleGroups& groups : groups_)
-        bytes += groups.groups.size() * sizeof(TriangleGroups::Group) +
-                 groups.group_of.size() * sizeof(std::uint32_t);
+        bytes += groups.groups.size() * sizeof(TriangleGroups::Group) + groups.group_of.size() * sizeof(std::uint32_t);
     return bytes + first_part_.size() * (sizeof(std::uint32_t) + 1) + patch_.size() * sizeof(std::uint16_t) +
            patches_.size() * sizeof(Patch) + places_.size() * sizeof(PatchPlace) +
            place_of_object_.size() * sizeof(std::uint32_t);

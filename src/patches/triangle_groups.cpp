@@ -28,7 +28,8 @@ std::uint32_t code_of(const glm::vec3& at, const Box3& box)
     for (int axis = 0; axis < 3; ++axis) {
         const float size = box.high[axis] - box.low[axis];
         const float step = size > 0 ? (at[axis] - box.low[axis]) / size * static_cast<float>(k_steps) : 0;
-        code |= every_third_bit(static_cast<std::uint32_t>(std::clamp(step, 0.0f, static_cast<float>(k_steps)))) << axis;
+        code |= every_third_bit(static_cast<std::uint32_t>(std::clamp(step, 0.0f, static_cast<float>(k_steps))))
+                << axis;
     }
     return code;
 }
@@ -44,10 +45,10 @@ TriangleGroups group_triangles(const scene::Scene& scene, const ray::ObjectGeome
         float area = 0;
     };
     const scene::Mesh& mesh = *geometry.mesh;
-    const auto corners = [&](std::uint32_t triangle, glm::vec3 (&p)[3]) {
+    const auto corners = [&](std::uint32_t triangle, glm::vec3(&p)[3]) {
         for (int i = 0; i < 3; ++i) p[i] = geometry.positions[mesh.triangles[triangle][i]];
     };
-    const auto centre_of = [](const glm::vec3 (&p)[3]) { return (p[0] + p[1] + p[2]) / 3.0f; };
+    const auto centre_of = [](const glm::vec3(&p)[3]) { return (p[0] + p[1] + p[2]) / 3.0f; };
 
     // Sort the triangles.
     Box3 box;
@@ -68,7 +69,8 @@ TriangleGroups group_triangles(const scene::Scene& scene, const ray::ObjectGeome
             const float area = 0.5f * glm::length(normal);
             if (!(area > 0) || !std::isfinite(area)) continue;
             const auto facing = static_cast<std::uint64_t>(facing_of(normal));
-            entries.push_back({static_cast<std::uint64_t>(part) << 36 | facing << 32 | code_of(centre_of(p), box), t, area});
+            entries.push_back(
+                {static_cast<std::uint64_t>(part) << 36 | facing << 32 | code_of(centre_of(p), box), t, area});
         }
     }
     interruption_point();
@@ -80,7 +82,8 @@ TriangleGroups group_triangles(const scene::Scene& scene, const ray::ObjectGeome
     for (std::size_t begin = 0; begin < entries.size();) {
         std::size_t end = begin;
         float area = 0;
-        while (end < entries.size() && end - begin < options.triangles && entries[end].key >> 32 == entries[begin].key >> 32 &&
+        while (end < entries.size() && end - begin < options.triangles &&
+               entries[end].key >> 32 == entries[begin].key >> 32 &&
                (end == begin || area + entries[end].area <= options.area))
             area += entries[end++].area;
         const Entry& middle = entries[begin + (end - begin) / 2];
@@ -93,7 +96,8 @@ TriangleGroups group_triangles(const scene::Scene& scene, const ray::ObjectGeome
             result.group_of[entries[i].triangle] = static_cast<std::uint32_t>(result.groups.size());
             glm::vec3 q[3];
             corners(entries[i].triangle, q);
-            for (const glm::vec3& corner : q) group.radius = std::max(group.radius, glm::distance(corner, centre) / edge);
+            for (const glm::vec3& corner : q)
+                group.radius = std::max(group.radius, glm::distance(corner, centre) / edge);
         }
         result.groups.push_back(group);
         begin = end;

@@ -330,10 +330,10 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
         }
         glm::vec3 radiance(0);
         if (s.diffuse != glm::vec3(0)) {
-            const glm::vec3 irradiance =
-                plane                                                        ? interpolated(lattice_irradiance_, *between)
-                : shared && s.normal == s.geometric_normal && !seen_smoothly ? shared->irradiance()
-                                                                             : light.light().irradiance(s.normal, seen, partial);
+            const glm::vec3 irradiance = plane ? interpolated(lattice_irradiance_, *between)
+                                         : shared && s.normal == s.geometric_normal && !seen_smoothly
+                                             ? shared->irradiance()
+                                             : light.light().irradiance(s.normal, seen, partial);
             if (highlight < 1)
                 radiance += (1 - highlight) * shading::reflect_irradiance(s, point.next, glm::vec3(0), irradiance);
             // What the lobe does not reflect reaches the diffuse layer.
@@ -349,10 +349,11 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
                                                         .roughness = s.roughness},
                                                        seen, partial);
         if (passing_.any() && radiance != glm::vec3(0))
-            radiance *= between ? interpolated(lattice_passes_, *between)
-                                : passing_.from_cells(
-                                      s.normal, batch.shadow_points[asked_[k]].origin, light.visibility().cells(), seen,
-                                      batch.primary ? PassingLight::k_rays : PassingLight::k_rays_in_mirrors);
+            radiance *=
+                between ? interpolated(lattice_passes_, *between)
+                        : passing_.from_cells(
+                              s.normal, batch.shadow_points[asked_[k]].origin, light.visibility().cells(), seen,
+                              batch.primary || point.straight ? PassingLight::k_rays : PassingLight::k_rays_in_mirrors);
         reflected_[asked_[k]] = luminance(radiance);
         add(point, radiance);
     }

@@ -36,12 +36,26 @@ glm::vec3 PassingLight::from_cells(const glm::vec3& normal, const glm::vec3& ori
             const std::size_t leaf = 64 * w + static_cast<std::size_t>(std::countr_zero(word));
             if (glm::dot(cells.direction(leaf), normal) > 0) leaves_.push_back(static_cast<std::uint32_t>(leaf));
         }
-    const std::size_t step = std::max<std::size_t>(1, (leaves_.size() + most - 1) / most);
-    for (std::size_t i = step / 2; i < leaves_.size(); i += step) {
-        const glm::vec3 direction = cells.direction(leaves_[i]);
-        queue_.push(origin, 0, direction, k_infinity);
-        weight_.push_back(luminance(cells.flux(leaves_[i])) * glm::dot(direction, normal));
+    const auto weight_of = [&](std::uint32_t leaf) {
+        return luminance(cells.flux(leaf)) * glm::dot(cells.direction(leaf), normal);
+    };
+    const auto push = [&](std::uint32_t leaf, float weight) {
+        queue_.push(origin, 0, cells.direction(leaf), k_infinity);
+        weight_.push_back(weight);
+    };
+    if (!cells.families().empty() && most == k_rays) {
+        // The same few cells stand in for the others at each point, so that neighbouring points agree.
+        by_stand_in_.assign(cells.leaves(), 0);
+        for (const std::uint32_t leaf : leaves_) {
+            const std::size_t stand_in = cells.stand_in_of(leaf);
+            by_stand_in_[glm::dot(cells.direction(stand_in), normal) > 0 ? stand_in : leaf] += weight_of(leaf);
+        }
+        for (std::uint32_t leaf = 0; leaf < by_stand_in_.size(); ++leaf)
+            if (by_stand_in_[leaf] > 0) push(leaf, by_stand_in_[leaf]);
+        return mean();
     }
+    const std::size_t step = std::max<std::size_t>(1, (leaves_.size() + most - 1) / most);
+    for (std::size_t i = step / 2; i < leaves_.size(); i += step) push(leaves_[i], weight_of(leaves_[i]));
     return mean();
 }
 

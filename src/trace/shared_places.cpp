@@ -83,8 +83,8 @@ void SharedPlaces::find(const PointBatch& batch, std::span<const std::uint32_t> 
         const visibility::ShadowPoint& at = batch.shadow_points[asked[k]];
         divide(batch.points[asked[k]], at, part, p);
         const PlaceKey key{std::uint64_t{at.object} << 33 ^ std::uint64_t{at.front} << 32 ^ at.triangle,
-                      std::uint64_t{part.level} << 40 | std::uint64_t{part.column} << 20 |
-                          std::uint64_t{part.row} << 1 | static_cast<std::uint64_t>(part.upper)};
+                           std::uint64_t{part.level} << 40 | std::uint64_t{part.column} << 20 |
+                               std::uint64_t{part.row} << 1 | static_cast<std::uint64_t>(part.upper)};
         place_of_[k] = place(key, at, part, p);
     }
 }
