@@ -38,7 +38,6 @@ class PassingLight {
     const ray::RayScene& rays_;
     bool any_;
     ray::RayQueue queue_;
-    std::vector<std::uint32_t> leaves_;   // visible ones
     std::vector<float> weight_, by_stand_in_;
     std::vector<glm::vec3> passes_;
 };
