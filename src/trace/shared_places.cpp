@@ -24,7 +24,7 @@ constexpr std::uint32_t k_nowhere = 0xffffffff;
 bool SharedPlaces::divide(const TilePoint& point, const visibility::ShadowPoint& at, Divided& part,
                           glm::vec3 (&p)[3]) const
 {
-    if (!(point.lobe.rays > 1) || at.object == scene::none) return false;
+    if (!(point.lobe.rays > 1 || point.parts > 1) || at.object == scene::none) return false;
     const float width = k_part_per_cone * point.surface.cone.width;
     if (!(width > 0)) return false;
     rays_.geometry(at.object).corners(at.triangle, p);
