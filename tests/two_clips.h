@@ -12,9 +12,9 @@ namespace gnomon::test {
 inline void write_two_clips(const std::string& path)
 {
     const std::vector<float> values{-1, -1, 0, 1, -1, 0, 0, 1, 0,   // positions
-                                    0,  1,                         // times of both
-                                    0,  2,  0, 0,  0, 1, 0, 0,      // along x
-                                    0,  0,  0, 0,  1, 0};           // along y
+                                    0,  1,                          // times of both
+                                    0,  2,  0, 0, 0,  1, 0, 0,      // along x
+                                    0,  0,  0, 0, 1,  0};           // along y
     std::ofstream(path + ".bin", std::ios::binary)
         .write(reinterpret_cast<const char*>(values.data()),
                static_cast<std::streamsize>(values.size() * sizeof(float)));
