@@ -100,8 +100,8 @@ class EnvironmentLighting {
     environment_light::SeenCells lattice_seen_;
     std::vector<glm::vec3> lattice_irradiance_, lattice_passes_;   // by place; empty: nothing thins light
     SharedPlaces places_;
-    std::vector<PlaceMemory::Place*> shared_;   // by shared place
-    std::vector<std::uint32_t> claimed_;        // indices of shared places
+    std::vector<PlaceMemory::Place*> shared_;    // by shared place
+    std::vector<std::uint32_t> claimed_;         // indices of shared places
     std::deque<PlaceMemory::Place> abandoned_;   // stand in for places that another thread abandoned
     environment_light::SeenCells shared_seen_;
     environment_light::CellVisibility::Scratch scratch_;
