@@ -24,6 +24,7 @@ int run_bench_lights(const CommandLine& line, Output& output)
     options.camera = scene::find_camera(*api::scene_of(scene), values.text("camera"));
     options.side = static_cast<float>(values.number("side"));
     options.check = values.integer("check");
+    options.truth = values.integer("truth");
     if (const std::vector<std::string> samples = values.all("samples"); !samples.empty()) {
         options.samples.clear();
         for (const std::string& n : samples) options.samples.push_back(static_cast<int>(*options::parse_number(n)));

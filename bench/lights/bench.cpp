@@ -178,7 +178,6 @@ struct LightSums {
 };
 
 constexpr std::uint32_t k_targets = 1024;   // places that checks choose from
-constexpr int k_truth = 2048;               // places of each half of the truth
 constexpr int k_most_compared = 8;          // frames that are compared with it, of many; fewer than twice as many are
 
 constexpr std::size_t k_soft_lights = 8;              // that have soft textures, the first ones: views take memory
@@ -350,8 +349,8 @@ class LightsBench {
         const std::size_t stride = std::max<std::size_t>(1, count_ / static_cast<std::size_t>(options_.truth_points));
         std::vector<const ShadowPoint*> compared;
         std::vector<double> truth;
-        RayShares one(rays_, polygon, places_of(lights_[l].light.shape, k_truth, 3)),
-            two(rays_, polygon, places_of(lights_[l].light.shape, k_truth, 4));
+        RayShares one(rays_, polygon, places_of(lights_[l].light.shape, options_.truth / 2, 3)),
+            two(rays_, polygon, places_of(lights_[l].light.shape, options_.truth / 2, 4));
         std::size_t number = 0;
         for (std::size_t t = 0; t < tiles_.size(); ++t)
             for (const std::uint32_t asked : asked_[t]) {

@@ -6,7 +6,7 @@
 // The points are the primary hits of each frame. Every point and spot light of the scene becomes a square at its place,
 // facing along its node's -Z; every emissive polygon stays what it is. Times are process CPU time of one thread, for
 // all points of a frame and one light, points known. The opponent traces rays to stratified places of the light, all of
-// a point together, in Embree's widest native packets. The truth for both are rays to 4,096 places, for some of the
+// a point together, in Embree's widest native packets. The truth for both are rays to many more places, for some of the
 // points, in eight to fifteen of a clip's frames. Soft shadow textures [Soler and Sillion 1998] are compared with the
 // same truth.
 
@@ -25,6 +25,7 @@ struct LightsBenchOptions {
     float side = 0.3f;   // of the squares, metres
     std::vector<int> samples = {16, 64, 256};
     int check = 64;            // segments traced for every proven answer
+    int truth = 16384;         // rays of a point to find the truth
     int truth_points = 2000;   // points of a frame and light that are compared with the truth
     int repeats = 3;           // of the steady frame and of the opponents; the least time counts
 };

@@ -2,6 +2,7 @@
 #include "area_light/area_shadows.h"
 
 #include <algorithm>
+#include <span>
 
 namespace gnomon::area_light {
 
@@ -90,9 +91,12 @@ AreaShadows::Verdict AreaShadows::judge(TriangleId triangle, bool front, const M
         ClippedTriangle inside;
         return !shaft.clip(triangles_[id], inside);
     };
-    // One triangle inside is enough to know that it is not lit. Few others are outside.
+    // One triangle inside is enough to know that it is not lit. Few others are outside. Most often, one of the first
+    // has a corner inside.
     const bool smaller = divides();
-    if (std::all_of(verdict.list.begin(), verdict.list.end(), outside)) verdict.list.clear();
+    const auto some = std::span(verdict.list).first(std::min<std::size_t>(verdict.list.size(), 8));
+    const bool met = std::ranges::any_of(some, [&](TriangleId id) { return shaft.has_corner_inside(triangles_[id]); });
+    if (!met && std::all_of(verdict.list.begin(), verdict.list.end(), outside)) verdict.list.clear();
     if (verdict.list.empty()) {
         verdict.state = PartState::lit;
         return verdict;

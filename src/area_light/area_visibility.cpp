@@ -2,7 +2,6 @@
 #include "area_light/area_visibility.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "ray/origin.h"
 #include "scene/alpha_mask.h"
@@ -15,6 +14,7 @@ using visibility::ShadowPoint;
 using visibility::TriangleId;
 
 constexpr std::size_t k_rays_at_once = 1 << 14;
+constexpr std::size_t k_most_hole_maps = 256;
 
 bool same_bits(const FlatLight& a, const FlatLight& b)
 {
@@ -86,6 +86,7 @@ void AreaVisibility::follow(const scene::SceneState& state, const ray::RayScene&
                             std::span<const AreaLight> lights)
 {
     rays_ = &rays, state_ = &state;
+    if (hole_maps_.size() > k_most_hole_maps) hole_maps_.clear();   // of alphas that change
     const scene::FrameChanges& changes = state.changes();
     if (!changes.promoted.empty()) {
         lights_.clear();
@@ -264,8 +265,7 @@ class AreaVisibility::Query {
         scratch_.holed.push((*owner_.triangles_)[id].p);
         scratch_.holed_at.push_back({object->second, id - object->first});
     }
-    // Adds what triangles with holes hide, from the alpha where lines to the middles of the places in each cell meet
-    // them.
+    // Adds what triangles with holes hide, from the alpha where the lines to the places meet them.
     // @return  whether they hide any
     bool add_holed(const ShadowPoint& p, const LightPlaces& places, PlaceMask& blocked)
     {
@@ -275,77 +275,43 @@ class AreaVisibility::Query {
             const Scratch::Holed& at = scratch_.holed_at[entry];
             const scene::Mesh& mesh = *owner_.rays_->geometry(at.object).mesh;
             const scene::Material& material = scene.materials[mesh.part_of(at.triangle).material];
-            glm::dvec3 r[3];
+            glm::vec3 corner[3];
             for (std::size_t c = 0; c < 3; ++c)
                 for (int axis = 0; axis < 3; ++axis)
-                    r[c][axis] = static_cast<double>(scratch_.holed.at(c, static_cast<std::size_t>(axis))[entry]) -
-                                 static_cast<double>(p.origin[axis]);
-            // Weights of the corners, as linear functions over the light's parallelogram.
-            const glm::dvec3 side[3] = {glm::cross(r[1], r[2]), glm::cross(r[2], r[0]), glm::cross(r[0], r[1])};
-            const glm::dvec3 to(places.origin() - p.origin), by_s(places.side_s()), by_t(places.side_t());
-            glm::dvec3 weight_at, weight_by_s, weight_by_t;
-            for (int c = 0; c < 3; ++c)
-                weight_at[c] = glm::dot(side[c], to), weight_by_s[c] = glm::dot(side[c], by_s),
-                weight_by_t[c] = glm::dot(side[c], by_t);
-            for_each_cell(mask, places, blocked, [&](const glm::dvec2& middle, const CellPlaces& cell) {
-                const glm::dvec3 weights = weight_at + middle.x * weight_by_s + middle.y * weight_by_t;
-                const double w = weights.x, u = weights.y, v = weights.z;
-                const double sum = u + v + w;
-                if (sum != 0 && scene::cut_away(scene, mesh, material, at.triangle, static_cast<float>(u / sum),
-                                                static_cast<float>(v / sum)))
-                    return;
-                for (std::size_t row = 0; row < 4; ++row)
-                    blocked[cell.row + row] |= mask[cell.row + row] & (std::uint64_t{15} << cell.first);
-                any = true;
-            });
+                    corner[c][axis] = scratch_.holed.at(c, static_cast<std::size_t>(axis))[entry];
+            const scene::TextureUse& use = material.base_color_texture;
+            if (mesh.colors.empty() && use.used() && !mesh.texcoords[use.texcoord].empty()) {
+                const glm::uvec3 index = mesh.triangles[at.triangle];
+                glm::vec2 texcoord[3];
+                for (int c = 0; c < 3; ++c) texcoord[c] = use.apply(mesh.texcoords[use.texcoord][index[c]]);
+                any |= add_blocked_past_holes(p.origin, corner, texcoord, hole_map(material), places, mask, blocked);
+            } else {
+                any |= add_blocked_past_holes(
+                    p.origin, corner,
+                    [&](float u, float v) { return scene::cut_away(scene, mesh, material, at.triangle, u, v); }, places,
+                    mask, blocked);
+            }
         });
         return any;
     }
-    struct CellPlaces {
-        std::size_t row;
-        int first;
-    };
-    // Calls use(middle, cell) for each cell with places of a mask that are inside the light and not blocked; `middle`
-    // is the mean of their coordinates s and t.
-    template <class Use>
-    static void for_each_cell(const PlaceMask& mask, const LightPlaces& places, const PlaceMask& blocked,
-                              const Use& use)
+    // The map of a material's texture, made when it is first asked for.
+    const HoleMap& hole_map(const scene::Material& material)
     {
-        static const RowPlaces rows;
-        for (std::size_t row = 0; row < mask.size(); row += 4) {
-            std::uint64_t bits[4], all = 0;
-            for (std::size_t k = 0; k < 4; ++k)
-                all |= bits[k] = mask[row + k] & places.inside()[row + k] & ~blocked[row + k];
-            while (all != 0) {
-                const int first = std::countr_zero(all) / 4 * 4;
-                double s = 0, t = 0, count = 0;
-                for (std::size_t k = 0; k < 4; ++k) {
-                    const auto four = static_cast<std::size_t>(bits[k] >> first & 15);
-                    const double here = rows.count[four];
-                    const double along = (here * (rows.shift[row + k] + first) + rows.sum[four]) / k_row_places;
-                    t += along, s += here * rows.start[row + k] + static_cast<double>(LightPlaces::slant) * along;
-                    count += here;
-                }
-                use(glm::dvec2(s / count, t / count), CellPlaces{row, first});
-                all &= ~(std::uint64_t{15} << first);
-            }
-        }
+        const auto& textures = owner_.state_->scene().textures;
+        const scene::TextureId texture = material.base_color_texture.texture;
+        const auto is_it = [&](const HoleMap& map) {
+            return map.is_of(textures[texture], material.alpha, material.alpha_cutoff);
+        };
+        if (last_map_ && is_it(*last_map_)) return *last_map_;
+        const std::lock_guard lock(owner_.hole_maps_mutex_);
+        auto& maps = owner_.hole_maps_;
+        auto at = std::ranges::find_if(maps, [&](const auto& map) { return is_it(*map); });
+        if (at == maps.end())
+            at = maps.insert(
+                maps.end(), std::make_unique<HoleMap>(textures.shared(texture), material.alpha, material.alpha_cutoff));
+        last_map_ = at->get();
+        return *last_map_;
     }
-    struct RowPlaces {
-        std::array<double, k_rows> start, shift;
-        std::array<double, 16> count, sum;   // of the bits of a number, and of their places
-        RowPlaces()
-        {
-            for (int r = 0; r < k_rows; ++r) {
-                start[static_cast<std::size_t>(r)] = static_cast<double>(LightPlaces::row_start(r));
-                shift[static_cast<std::size_t>(r)] = static_cast<double>(LightPlaces::row_shift(r));
-            }
-            for (std::size_t four = 0; four < 16; ++four) {
-                count[four] = std::popcount(four), sum[four] = 0;
-                for (int k = 0; k < 4; ++k) sum[four] += (four >> k & 1) * k;
-            }
-        }
-    };
     // Finds what a group of points sees past the triangles of one list and those of dynamic objects.
     void look_through(std::span<const Scratch::Listed> group)
     {
@@ -415,6 +381,7 @@ class AreaVisibility::Query {
     const Light& light_;
     Answers& answers_;
     AreaShadows::LastPart last_;
+    const HoleMap* last_map_ = nullptr;
 };
 
 void AreaVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points, std::span<const std::uint32_t> asked,
@@ -449,7 +416,12 @@ std::size_t AreaVisibility::bytes_of_parts() const
 
 std::size_t AreaVisibility::bytes() const
 {
-    return triangles_->bytes() + pairs_->bytes() + dynamic_triangles_.bytes() + bytes_of_parts();
+    std::size_t maps = 0;
+    {
+        const std::lock_guard lock(hole_maps_mutex_);
+        for (const auto& map : hole_maps_) maps += map->bytes();
+    }
+    return triangles_->bytes() + pairs_->bytes() + dynamic_triangles_.bytes() + bytes_of_parts() + maps;
 }
 
 }   // namespace gnomon::area_light

@@ -13,10 +13,12 @@
 // grows beyond AreaOptions::most_bytes, all of it is forgotten.
 
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
 #include "area_light/area_shadows.h"
+#include "area_light/holed_places.h"
 #include "area_light/planar_pairs.h"
 #include "area_light/visible_cells.h"
 #include "ray/ray_scene.h"
@@ -133,6 +135,8 @@ class AreaVisibility {
     const scene::SceneState* state_ = nullptr;
     std::vector<std::pair<visibility::TriangleId, scene::ObjectId>> first_of_object_;   // ascending; of static objects
     std::vector<std::unique_ptr<Light>> lights_;
+    mutable std::mutex hole_maps_mutex_;
+    mutable std::vector<std::unique_ptr<HoleMap>> hole_maps_;   // made when they are first asked for
 };
 
 }   // namespace gnomon::area_light

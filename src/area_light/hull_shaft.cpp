@@ -1,10 +1,133 @@
 // SPDX-License-Identifier: Apache-2.0
+// This file is compiled once for each instruction set: Highway includes it again and again.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "area_light/hull_shaft.cpp"
+#include <hwy/foreach_target.h>   // first of all
+
+#include <hwy/highway.h>
+
 #include "area_light/hull_shaft.h"
 
+#ifndef GNOMON_AREA_LIGHT_HULL_SHAFT_ONCE
+#define GNOMON_AREA_LIGHT_HULL_SHAFT_ONCE
+namespace gnomon::area_light {
+// What the tests below read of a shaft. Every lane computes what the scalar form would, in the same order.
+struct HullTests {
+    const double *x, *y, *z, *distance;   // planes
+    std::size_t end;
+    const double *hull_x, *hull_y, *hull_z;
+    std::size_t hull_end;
+    double base, side;   // where the inside of the first plane begins, and of the others
+
+    HullTests(const HullShaft& shaft, double of_base, double of_side)
+        : x(shaft.plane_lanes_.x.data()),
+          y(shaft.plane_lanes_.y.data()),
+          z(shaft.plane_lanes_.z.data()),
+          distance(shaft.plane_lanes_.distance.data()),
+          end(shaft.plane_lanes_.end),
+          hull_x(shaft.hull_lanes_.x.data()),
+          hull_y(shaft.hull_lanes_.y.data()),
+          hull_z(shaft.hull_lanes_.z.data()),
+          hull_end(shaft.hull_lanes_.end),
+          base(of_base),
+          side(of_side)
+    {
+    }
+};
+}   // namespace gnomon::area_light
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace gnomon::area_light::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Doubles = hn::CappedTag<double, 8>;
+
+// The heights of a point over a vector of planes.
+HWY_INLINE auto heights(const HullTests& shaft, std::size_t i, const glm::dvec3& p)
+{
+    const Doubles d;
+    const auto product = hn::Add(
+        hn::Add(hn::Mul(hn::Load(d, shaft.x + i), hn::Set(d, p.x)), hn::Mul(hn::Load(d, shaft.y + i), hn::Set(d, p.y))),
+        hn::Mul(hn::Load(d, shaft.z + i), hn::Set(d, p.z)));
+    return hn::Add(product, hn::Load(d, shaft.distance + i));
+}
+
+HWY_INLINE auto inside_from(const HullTests& shaft, std::size_t i)
+{
+    const Doubles d;
+    const auto side = hn::Set(d, shaft.side);
+    return i == 0 ? hn::IfThenElse(hn::FirstN(d, 1), hn::Set(d, shaft.base), side) : side;
+}
+
+bool box_may_meet(const HullTests& shaft, const glm::dvec3& low, const glm::dvec3& high)
+{
+    const Doubles d;
+    for (std::size_t i = 0; i < shaft.end; i += hn::Lanes(d)) {
+        // The corner that lies furthest inside.
+        const auto most = [&](const double* normal, double a, double b) HWY_ATTR {
+            const auto n = hn::Load(d, normal + i);
+            return hn::Max(hn::Mul(n, hn::Set(d, a)), hn::Mul(n, hn::Set(d, b)));
+        };
+        const auto at = hn::Add(
+            hn::Add(hn::Add(most(shaft.x, low.x, high.x), most(shaft.y, low.y, high.y)), most(shaft.z, low.z, high.z)),
+            hn::Load(d, shaft.distance + i));
+        if (!hn::AllFalse(d, hn::Lt(at, inside_from(shaft, i)))) return false;
+    }
+    return true;
+}
+
+bool triangle_may_meet(const HullTests& shaft, const glm::dvec3 (&p)[3], double room)
+{
+    const Doubles d;
+    for (std::size_t i = 0; i < shaft.end; i += hn::Lanes(d)) {
+        const auto from = inside_from(shaft, i);
+        const auto outside =
+            hn::And(hn::And(hn::Lt(heights(shaft, i, p[0]), from), hn::Lt(heights(shaft, i, p[1]), from)),
+                    hn::Lt(heights(shaft, i, p[2]), from));
+        if (!hn::AllFalse(d, outside)) return false;
+    }
+    // All of piece and light may lie on one side of the triangle's plane.
+    glm::dvec3 n = glm::cross(p[1] - p[0], p[2] - p[0]);
+    const double length = glm::length(n);
+    if (!(length > 0)) return true;
+    n /= length;
+    bool all_above = true, all_below = true;
+    for (std::size_t i = 0; i < shaft.hull_end; i += hn::Lanes(d)) {
+        const auto at =
+            hn::Add(hn::Add(hn::Mul(hn::Set(d, n.x), hn::Sub(hn::Load(d, shaft.hull_x + i), hn::Set(d, p[0].x))),
+                            hn::Mul(hn::Set(d, n.y), hn::Sub(hn::Load(d, shaft.hull_y + i), hn::Set(d, p[0].y)))),
+                    hn::Mul(hn::Set(d, n.z), hn::Sub(hn::Load(d, shaft.hull_z + i), hn::Set(d, p[0].z))));
+        all_above = all_above && hn::AllTrue(d, hn::Gt(at, hn::Set(d, room)));
+        all_below = all_below && hn::AllTrue(d, hn::Lt(at, hn::Set(d, -room)));
+    }
+    return !all_above && !all_below;
+}
+
+bool corner_inside(const HullTests& shaft, const glm::dvec3 (&p)[3])
+{
+    const Doubles d;
+    for (const glm::dvec3& corner : p) {
+        bool inside = true;
+        for (std::size_t i = 0; inside && i < shaft.end; i += hn::Lanes(d))
+            inside = hn::AllTrue(d, hn::Ge(heights(shaft, i, corner), inside_from(shaft, i)));
+        if (inside) return true;
+    }
+    return false;
+}
+
+}   // namespace gnomon::area_light::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 #include <algorithm>
 #include <limits>
 
 namespace gnomon::area_light {
+
+HWY_EXPORT(box_may_meet);
+HWY_EXPORT(triangle_may_meet);
+HWY_EXPORT(corner_inside);
 
 double lowest(const glm::dvec3& normal, std::span<const glm::dvec3> points)
 {
@@ -26,9 +149,17 @@ void HullShaft::finish()
 {
     low_ = high_ = hull_[0];
     for (std::size_t k = 1; k < hull_count_; ++k) low_ = glm::min(low_, hull_[k]), high_ = glm::max(high_, hull_[k]);
-    for (std::size_t k = 0; k < count_; ++k)
-        for (int axis = 0; axis < 3; ++axis)
-            furthest_[k][static_cast<std::size_t>(axis)] = planes_[k].normal[axis] > 0 ? 1 : 0;
+    plane_lanes_.end = (count_ + 7) / 8 * 8, hull_lanes_.end = (hull_count_ + 7) / 8 * 8;
+    for (std::size_t k = 0; k < plane_lanes_.end; ++k) {
+        const visibility::Plane plane =
+            k < count_ ? planes_[k] : visibility::Plane{glm::dvec3(0), std::numeric_limits<double>::infinity()};
+        plane_lanes_.x[k] = plane.normal.x, plane_lanes_.y[k] = plane.normal.y, plane_lanes_.z[k] = plane.normal.z;
+        plane_lanes_.distance[k] = plane.distance;
+    }
+    for (std::size_t k = 0; k < hull_lanes_.end; ++k) {
+        const glm::dvec3& p = hull_[k < hull_count_ ? k : 0];
+        hull_lanes_.x[k] = p.x, hull_lanes_.y[k] = p.y, hull_lanes_.z[k] = p.z;
+    }
 }
 
 // Adds the plane through an edge and that corner of the other polygon that leaves all of both on one side. Its distance
@@ -57,41 +188,28 @@ void HullShaft::add_side(const glm::dvec3& a, const glm::dvec3& b, std::span<con
 
 bool HullShaft::may_meet(const glm::vec3& box_low, const glm::vec3& box_high) const
 {
-    const glm::dvec3 corner[2] = {glm::dvec3(box_low), glm::dvec3(box_high)};
-    const glm::dvec3 reach = glm::max(glm::abs(corner[0]), glm::abs(corner[1]));
+    const glm::dvec3 low(box_low), high(box_high);
+    const glm::dvec3 reach = glm::max(glm::abs(low), glm::abs(high));
     const double coordinate = std::max({reach.x, reach.y, reach.z});
-    const double margin = margin_for(coordinate), base = base_for(coordinate), wide = margin + lift_;
+    const double margin = margin_for(coordinate), wide = margin + lift_;
     for (int axis = 0; axis < 3; ++axis)
-        if (corner[0][axis] > high_[axis] + wide || corner[1][axis] < low_[axis] - wide) return false;
-    for (std::size_t k = 0; k < count_; ++k) {
-        const std::array<std::uint8_t, 3>& end = furthest_[k];
-        const glm::dvec3 q(corner[end[0]].x, corner[end[1]].y, corner[end[2]].z);
-        if (planes_[k].at(q) < (k == 0 ? base : -margin)) return false;
-    }
-    return true;
+        if (low[axis] > high_[axis] + wide || high[axis] < low_[axis] - wide) return false;
+    return HWY_DYNAMIC_DISPATCH(box_may_meet)(HullTests(*this, base_for(coordinate), -margin), low, high);
 }
 
 bool HullShaft::may_meet(const visibility::StaticTriangle& triangle) const
 {
     const double coordinate = static_cast<double>(visibility::largest_coordinate(triangle));
     const glm::dvec3 p[3] = {glm::dvec3(triangle.p[0]), glm::dvec3(triangle.p[1]), glm::dvec3(triangle.p[2])};
-    const double margin = margin_for(coordinate), base = base_for(coordinate);
-    for (std::size_t k = 0; k < count_; ++k) {
-        const double from = k == 0 ? base : -margin;
-        if (planes_[k].at(p[0]) < from && planes_[k].at(p[1]) < from && planes_[k].at(p[2]) < from) return false;
-    }
-    // All of piece and light may lie on one side of the triangle's plane.
-    glm::dvec3 n = glm::cross(p[1] - p[0], p[2] - p[0]);
-    const double length = glm::length(n);
-    if (!(length > 0)) return true;
-    n /= length;
-    const double room = margin + lift_;
-    int above = 0, below = 0;
-    for (std::size_t k = 0; k < hull_count_; ++k) {
-        const double at = glm::dot(n, hull_[k] - p[0]);
-        above += at > room, below += at < -room;
-    }
-    return above < static_cast<int>(hull_count_) && below < static_cast<int>(hull_count_);
+    const double margin = margin_for(coordinate);
+    return HWY_DYNAMIC_DISPATCH(triangle_may_meet)(HullTests(*this, base_for(coordinate), -margin), p, margin + lift_);
+}
+
+bool HullShaft::has_corner_inside(const visibility::StaticTriangle& triangle) const
+{
+    const double coordinate = static_cast<double>(visibility::largest_coordinate(triangle));
+    const glm::dvec3 p[3] = {glm::dvec3(triangle.p[0]), glm::dvec3(triangle.p[1]), glm::dvec3(triangle.p[2])};
+    return HWY_DYNAMIC_DISPATCH(corner_inside)(HullTests(*this, base_for(coordinate), -margin_for(coordinate)), p);
 }
 
 bool HullShaft::clip(const visibility::StaticTriangle& triangle, ClippedTriangle& clipped) const
@@ -142,3 +260,4 @@ bool HullShaft::meets_segment(const glm::dvec3& a, const glm::dvec3& b, double c
 }
 
 }   // namespace gnomon::area_light
+#endif

@@ -36,6 +36,8 @@ class HullShaft {
     bool may_meet(const visibility::StaticTriangle& triangle) const;
     /// Whether a triangle has a point inside, to double precision. `clipped` gets the part inside.
     bool clip(const visibility::StaticTriangle& triangle, ClippedTriangle& clipped) const;
+    /// Whether a corner of a triangle lies inside, which clip() would keep.
+    bool has_corner_inside(const visibility::StaticTriangle& triangle) const;
     /// Whether a segment has a point inside the shaft, enlarged for a coordinate of this size.
     bool meets_segment(const glm::dvec3& a, const glm::dvec3& b, double coordinate) const;
     double height(const glm::dvec3& x) const { return planes_[0].at(x); }
@@ -74,7 +76,16 @@ class HullShaft {
     std::array<glm::dvec3, k_most_corners> hull_{};   // corners of piece and light
     std::size_t hull_count_ = 0;
     glm::dvec3 low_{0}, high_{0};
-    std::array<std::array<std::uint8_t, 3>, k_most_planes> furthest_{};
+    // The same for vectors, filled up with planes that everything is inside of, and with the first corner.
+    template <std::size_t N>
+    struct Lanes {
+        static constexpr std::size_t k_vector = 8, k_size = (N + k_vector - 1) / k_vector * k_vector;
+        alignas(64) std::array<double, k_size> x, y, z, distance;
+        std::size_t end = 0;   // a multiple of 8
+    };
+    friend struct HullTests;
+    Lanes<k_most_planes> plane_lanes_;
+    Lanes<k_most_corners> hull_lanes_;
 };
 
 /// The least of dot(normal, point).

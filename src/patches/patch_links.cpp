@@ -2,6 +2,7 @@
 #include "patches/patch_links.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/interruption.h"
@@ -17,13 +18,50 @@ constexpr double k_golden_angle = 2.399963229728653;   // radians
 // Ray r starts at place number k_order * r: neighbouring directions start far apart.
 constexpr std::size_t k_order = 13;
 
-// A unit vector around +z: ray r of a Fibonacci lattice on the unit disk, turned and projected up.
-glm::dvec3 direction_of(std::size_t r, double turn)
+// Unit vectors around +z: a Fibonacci lattice on the unit disk, projected up.
+std::array<glm::dvec3, PatchLinks::k_rays> fibonacci_lattice()
 {
-    const double square = (static_cast<double>(r) + 0.5) / static_cast<double>(PatchLinks::k_rays);
-    const double radius = std::sqrt(square), phi = static_cast<double>(r) * k_golden_angle + turn;
-    return {radius * std::cos(phi), radius * std::sin(phi), std::sqrt(1 - square)};
+    std::array<glm::dvec3, PatchLinks::k_rays> lattice;
+    for (std::size_t r = 0; r < PatchLinks::k_rays; ++r) {
+        const double square = (static_cast<double>(r) + 0.5) / static_cast<double>(PatchLinks::k_rays);
+        const double radius = std::sqrt(square), phi = static_cast<double>(r) * k_golden_angle;
+        lattice[r] = {radius * std::cos(phi), radius * std::sin(phi), std::sqrt(1 - square)};
+    }
+    return lattice;
 }
+
+struct PatchRay {
+    glm::vec3 origin{0}, direction{0};
+};
+
+// Finds the rays of a patch, from places at equal steps of area.
+void find_rays(const SurfacePatches& patches, PatchId p, PatchRay (&out)[PatchLinks::k_rays])
+{
+    const std::span<const PatchPlace> places = patches.places(patches.patches()[p]);
+    double all = 0;
+    for (const PatchPlace& place : places) all += static_cast<double>(place.area);
+    std::size_t at[PatchLinks::k_rays];
+    double sum = static_cast<double>(places[0].area);
+    for (std::size_t k = 0, place = 0; k < PatchLinks::k_rays; ++k) {
+        const double wanted = all * (static_cast<double>(k) + 0.5) / static_cast<double>(PatchLinks::k_rays);
+        while (sum < wanted && place + 1 < places.size()) sum += static_cast<double>(places[++place].area);
+        at[k] = place;
+    }
+    static const std::array<glm::dvec3, PatchLinks::k_rays> lattice = fibonacci_lattice();
+    const double turn = std::fmod(static_cast<double>(p) * k_golden_angle, 2 * k_pi);
+    const double cosine = std::cos(turn), sine = std::sin(turn);
+    for (std::size_t r = 0; r < PatchLinks::k_rays; ++r) {
+        const PatchPlace& place = places[at[k_order * r % PatchLinks::k_rays]];
+        glm::vec3 x, y;
+        make_basis(place.normal, x, y);
+        const glm::dvec3& l = lattice[r];
+        const glm::vec3 d(cosine * l.x - sine * l.y, sine * l.x + cosine * l.y, l.z);
+        out[r] = {place.position, d.x * x + d.y * y + d.z * place.normal};
+    }
+}
+
+// The part of the irradiance that one ray brings, of a radiance.
+constexpr auto k_ray_weight = static_cast<float>(k_pi / static_cast<double>(PatchLinks::k_rays));
 
 class Caster {
  public:
@@ -35,17 +73,21 @@ class Caster {
     void cast(PatchId first, PatchId last, const Surroundings& surroundings, PatchLinks& links)
     {
         rays_.clear();
-        for (PatchId p = first; p < last; ++p) push(p);
+        for (PatchId p = first; p < last; ++p) {
+            PatchRay found[PatchLinks::k_rays];
+            find_rays(patches_, p, found);
+            for (const PatchRay& ray : found) rays_.push(ray.origin, ray.direction);
+        }
         rays_.trace(scene_, scene_rays_);
         const std::size_t first_ray = PatchLinks::k_rays * first;
         if (!links.passes.empty()) rays_.find_passing(scene_rays_, links.passes.data() + first_ray);
-        const auto weight = static_cast<float>(k_pi / static_cast<double>(PatchLinks::k_rays));
         std::size_t r = 0;
         for (PatchId p = first; p < last; ++p)
             for (std::size_t k = 0; k < PatchLinks::k_rays; ++k, ++r) {
                 if (rays_.leaves(r)) {
+                    links.leaves[PatchLinks::k_rays * p + k] = 1;
                     if (!surroundings.any()) continue;
-                    glm::vec3 light = weight * surroundings.radiance(rays_.direction(r));
+                    glm::vec3 light = k_ray_weight * surroundings.radiance(rays_.direction(r));
                     if (!links.passes.empty()) light *= links.passes[first_ray + r];
                     links.surroundings[p] += light;
                     continue;
@@ -56,29 +98,6 @@ class Caster {
     }
 
  private:
-    // Queues the rays of a patch, from places at equal steps of area.
-    void push(PatchId p)
-    {
-        const std::span<const PatchPlace> places = patches_.places(patches_.patches()[p]);
-        double all = 0;
-        for (const PatchPlace& place : places) all += static_cast<double>(place.area);
-        std::size_t at[PatchLinks::k_rays];
-        double sum = static_cast<double>(places[0].area);
-        for (std::size_t k = 0, place = 0; k < PatchLinks::k_rays; ++k) {
-            const double wanted = all * (static_cast<double>(k) + 0.5) / static_cast<double>(PatchLinks::k_rays);
-            while (sum < wanted && place + 1 < places.size()) sum += static_cast<double>(places[++place].area);
-            at[k] = place;
-        }
-        const double turn = std::fmod(static_cast<double>(p) * k_golden_angle, 2 * k_pi);
-        for (std::size_t r = 0; r < PatchLinks::k_rays; ++r) {
-            const PatchPlace& place = places[at[k_order * r % PatchLinks::k_rays]];
-            glm::vec3 x, y;
-            make_basis(place.normal, x, y);
-            const glm::vec3 d(direction_of(r, turn));
-            rays_.push(place.position, d.x * x + d.y * y + d.z * place.normal);
-        }
-    }
-
     const SurfacePatches& patches_;
     const scene::Scene& scene_;
     const ray::RayScene& scene_rays_;
@@ -93,6 +112,7 @@ PatchLinks link_patches(const SurfacePatches& patches, const scene::SceneState& 
     PatchLinks links;
     const std::size_t count = patches.patches().size();
     links.target.assign(PatchLinks::k_rays * count, PatchLinks::k_none);
+    links.leaves.assign(PatchLinks::k_rays * count, 0);
     links.surroundings.assign(count, glm::vec3(0));
     if (rays.thins_light()) links.passes.assign(PatchLinks::k_rays * count, glm::vec3(1));
     tasks.for_each((count + k_patches_at_once - 1) / k_patches_at_once, [&](std::size_t run, int) {
@@ -101,6 +121,64 @@ PatchLinks link_patches(const SurfacePatches& patches, const scene::SceneState& 
         Caster(patches, state, rays).cast(static_cast<PatchId>(first), static_cast<PatchId>(last), surroundings, links);
     });
     return links;
+}
+
+std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchLinks& links,
+                                     const scene::SceneState& state, const ray::RayScene& rays,
+                                     const Surroundings& surroundings, std::span<const BoundingSphere> spheres,
+                                     std::span<const glm::vec3> exitance, Tasks& tasks)
+{
+    // A sphere that is seen under a smaller ratio of radius to distance hides at most 1 % of what a patch sees.
+    constexpr float k_least_ratio = 0.1f;
+    const std::size_t count = patches.patches().size();
+    std::vector<glm::vec3> blocked(count, glm::vec3(0));
+    if (spheres.empty() || (exitance.empty() && !surroundings.any())) return blocked;
+    tasks.for_each((count + k_patches_at_once - 1) / k_patches_at_once, [&](std::size_t run, int) {
+        interruption_point();
+        PatchRays cast;
+        std::vector<std::size_t> of;   // by ray: its number among all
+        std::vector<const BoundingSphere*> near;
+        const std::size_t last = std::min((run + 1) * k_patches_at_once, count);
+        for (std::size_t p = run * k_patches_at_once; p < last; ++p) {
+            const Patch& patch = patches.patches()[p];
+            near.clear();
+            for (const BoundingSphere& sphere : spheres) {
+                const glm::vec3 to = sphere.centre - patch.position;
+                const float within = sphere.radius + patch.radius;
+                if (glm::dot(to, patch.normal) <= -within ||
+                    sphere.radius < k_least_ratio * (glm::length(to) - patch.radius))
+                    continue;
+                near.push_back(&sphere);
+            }
+            if (near.empty()) continue;
+            PatchRay found[PatchLinks::k_rays];
+            find_rays(patches, static_cast<PatchId>(p), found);
+            for (std::size_t r = 0; r < PatchLinks::k_rays; ++r) {
+                const auto crosses = [&](const BoundingSphere* sphere) {
+                    const glm::vec3 to = sphere->centre - found[r].origin;
+                    const float along = glm::dot(to, found[r].direction), square = glm::dot(to, to),
+                                radius2 = sphere->radius * sphere->radius;
+                    return square <= radius2 || (along > 0 && square - along * along <= radius2);
+                };
+                if (std::ranges::none_of(near, crosses)) continue;
+                cast.push(found[r].origin, found[r].direction);
+                of.push_back(PatchLinks::k_rays * p + r);
+            }
+        }
+        cast.trace(state.scene(), rays, ray::Against::everything);
+        for (std::size_t k = 0; k < of.size(); ++k) {
+            if (cast.leaves(k) || !state.is_dynamic(cast.object(k))) continue;
+            const std::uint16_t target = links.target[of[k]];
+            glm::vec3 light(0);
+            if (target != PatchLinks::k_none) {
+                if (!exitance.empty()) light = exitance[target] / static_cast<float>(PatchLinks::k_rays);
+            } else if (surroundings.any() && links.leaves[of[k]]) {
+                light = k_ray_weight * surroundings.radiance(cast.direction(k));
+            }
+            blocked[of[k] / PatchLinks::k_rays] += links.passes.empty() ? light : light * links.passes[of[k]];
+        }
+    });
+    return blocked;
 }
 
 void gather_links(const PatchLinks& links, std::span<const glm::vec3> exitance, std::span<glm::vec3> irradiance,

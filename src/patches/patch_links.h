@@ -8,7 +8,7 @@
 // do not block light are passed; those that thin it (scene::thins_light()) take their part away. The directions of
 // neighbours are turned against each other.
 //
-// Cost: 32 rays a patch, once for a static scene. Memory: 64 bytes a patch; 448 where anything thins light.
+// Cost: 32 rays a patch, once for a static scene. Memory: 96 bytes a patch; 480 where anything thins light.
 
 #include "patches/surface_patches.h"
 #include "patches/surroundings.h"
@@ -19,16 +19,33 @@ struct PatchLinks {
     static constexpr std::size_t k_rays = 32;   // of a patch
     static constexpr std::uint16_t k_none = 0xffff;
     std::vector<std::uint16_t> target;     // k_rays for each patch: the patch that a ray meets, or none
+    std::vector<std::uint8_t> leaves;      // by ray: whether it leaves the static scene
     std::vector<glm::vec3> passes;         // by ray: the part of light that passes what thins it; empty: all of it
     std::vector<glm::vec3> surroundings;   // by patch: irradiance from beyond the static scene
     std::size_t bytes() const
     {
-        return target.size() * sizeof(std::uint16_t) + (passes.size() + surroundings.size()) * sizeof(glm::vec3);
+        return target.size() * (sizeof(std::uint16_t) + sizeof(std::uint8_t)) +
+               (passes.size() + surroundings.size()) * sizeof(glm::vec3);
     }
 };
 
 PatchLinks link_patches(const SurfacePatches& patches, const scene::SceneState& state, const ray::RayScene& rays,
                         const Surroundings& surroundings, Tasks& tasks);
+
+/// What encloses a dynamic object.
+struct BoundingSphere {
+    glm::vec3 centre{0};
+    float radius = 0;
+};
+
+/// Irradiance that dynamic objects keep from patches: that of links that they cross, and of the surroundings. A part of
+/// the 32 rays of a patch is cast again where a sphere is so wide that it may matter.
+/// @param spheres   around the dynamic objects
+/// @param exitance  radiant exitance by patch; empty: of the surroundings alone
+std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchLinks& links,
+                                     const scene::SceneState& state, const ray::RayScene& rays,
+                                     const Surroundings& surroundings, std::span<const BoundingSphere> spheres,
+                                     std::span<const glm::vec3> exitance, Tasks& tasks);
 
 /// Irradiance that each patch gets from the others.
 /// @param exitance  radiant exitance by patch

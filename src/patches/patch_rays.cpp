@@ -37,10 +37,10 @@ bool PatchRays::blocks(const scene::Scene& scene, const ray::RayScene& rays, std
            scene::SurfaceClass::transparent;
 }
 
-void PatchRays::trace(const scene::Scene& scene, const ray::RayScene& rays)
+void PatchRays::trace(const scene::Scene& scene, const ray::RayScene& rays, ray::Against against)
 {
     hits_.resize(rays_.size());
-    rays.closest(rays_, 0, rays_.size(), hits_, ray::Sides::both, ray::Against::static_only);
+    rays.closest(rays_, 0, rays_.size(), hits_, ray::Sides::both, against);
     // Continue rays that met a surface that does not block light, behind it.
     for (int pass = 0; pass < k_most_passes; ++pass) {
         passing_.clear(), passing_ray_.clear();
@@ -54,7 +54,7 @@ void PatchRays::trace(const scene::Scene& scene, const ray::RayScene& rays)
         }
         if (passing_.empty()) return;
         next_.resize(passing_.size());
-        rays.closest(passing_, 0, passing_.size(), next_, ray::Sides::both, ray::Against::static_only);
+        rays.closest(passing_, 0, passing_.size(), next_, ray::Sides::both, against);
         for (std::size_t i = 0; i < passing_ray_.size(); ++i) {
             const std::uint32_t r = passing_ray_[i];
             hits_.t[r] = next_.t[i], hits_.u[r] = next_.u[i], hits_.v[r] = next_.v[i];
@@ -71,10 +71,10 @@ PatchId PatchRays::patch(const SurfacePatches& patches, const ray::RayScene& ray
                             at.position + (front ? at.lift : -at.lift) * at.normal);
 }
 
-void PatchRays::find_passing(const ray::RayScene& rays, glm::vec3* passes)
+void PatchRays::find_passing(const ray::RayScene& rays, glm::vec3* passes, ray::Against against)
 {
     for (std::size_t r = 0; r < rays_.size(); ++r) rays_.tfar[r] = leaves(r) ? far_[r] : hits_.t[r];
-    rays.let_through(rays_, 0, rays_.size(), passes, ray::Against::static_only);
+    rays.let_through(rays_, 0, rays_.size(), passes, against);
 }
 
 }   // namespace gnomon::patches

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Rays that find patches: each continues past static surfaces that do not block light, and ends where one does.
+// Rays that find patches: each continues past surfaces that do not block light, and ends where one does.
 //
 // Holds a thread's scratch memory. Cost: a closest hit per ray, one more for each surface that it passes; what
 // SurfacePatches::patch_at() costs where it is asked.
@@ -23,15 +23,17 @@ class PatchRays {
     std::size_t size() const { return rays_.size(); }
     glm::vec3 direction(std::size_t r) const { return rays_.direction(r); }
 
-    /// Finds where all rays end, against static objects.
-    void trace(const scene::Scene& scene, const ray::RayScene& rays);
+    /// Finds where all rays end.
+    void trace(const scene::Scene& scene, const ray::RayScene& rays, ray::Against against = ray::Against::static_only);
     /// Whether a ray meets nothing that blocks light: if it has no end, it leaves the scene. @pre traced
     bool leaves(std::size_t r) const { return hits_.object[r] == scene::none; }
+    /// The object that a ray ends on. @pre traced, and it does not leave the scene
+    scene::ObjectId object(std::size_t r) const { return hits_.object[r]; }
     /// The patch that a ray ends on, if any. @pre traced, and it does not leave the scene
     PatchId patch(const SurfacePatches& patches, const ray::RayScene& rays, std::size_t r) const;
     /// Finds the part of light that passes along each ray, up to where it ends. @pre traced
     /// @param passes  out: by ray
-    void find_passing(const ray::RayScene& rays, glm::vec3* passes);
+    void find_passing(const ray::RayScene& rays, glm::vec3* passes, ray::Against against = ray::Against::static_only);
 
  private:
     struct Surface {

@@ -198,6 +198,12 @@ float Texture::alpha(glm::vec2 uv) const
     return sampler_.magnify == Filter::nearest ? nearest(levels_[0], uv).w : bilinear_alpha(levels_[0], uv);
 }
 
+std::uint8_t Texture::alpha_texel(int x, int y) const
+{
+    const Image8& level = levels_[0];
+    return level.pixel(wrap_texel(x, level.width, sampler_.wrap_u), wrap_texel(y, level.height, sampler_.wrap_v))[3];
+}
+
 glm::vec2 TextureUse::apply(glm::vec2 uv) const
 {
     const glm::vec2 s = uv * scale;

@@ -49,6 +49,8 @@ class Texture {
     glm::vec4 sample(glm::vec2 uv, float footprint) const;
     /// Alpha of the finest level, bilinear, for shadow rays.
     float alpha(glm::vec2 uv) const;
+    /// Alpha of a texel of the finest level, 0 to 255, wrapped as the sampler says; x and y from -1 to two periods.
+    std::uint8_t alpha_texel(int x, int y) const;
 
  private:
     glm::vec4 texel(const Image8& level, int x, int y) const;

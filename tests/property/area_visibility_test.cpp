@@ -198,12 +198,12 @@ TEST(AreaVisibility, LooksUpTheHolesThatRaysPassThrough)
                     expected += !rays.occluded_single(points[k].origin, 0, places.position(r, i) - points[k].origin,
                                                       ray::k_shadow_ray_end, ray::Against::static_only);
         const double difference = static_cast<double>(seen - expected) / places.count();
-        EXPECT_LE(std::abs(difference), 0.03) << k;
+        EXPECT_LE(std::abs(difference), 0.002) << k;
         squares += difference * difference;
         holed += expected > 0 && expected < places.count();
     }
     EXPECT_GT(holed, 20);
-    EXPECT_LE(std::sqrt(squares / static_cast<double>(points.size())), 0.006);
+    EXPECT_LE(std::sqrt(squares / static_cast<double>(points.size())), 0.0003);
 }
 
 TEST(AreaVisibilityFull, SeesPastWhatMovesAsPastAllTrianglesInAThousandSoups)

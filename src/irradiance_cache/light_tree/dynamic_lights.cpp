@@ -4,6 +4,7 @@
 #include <functional>
 #include <unordered_map>
 
+#include "base/interruption.h"
 #include "base/morton.h"
 #include "irradiance_cache/light_tree/light_tree.h"
 #include "irradiance_cache/light_tree/thin_leaves.h"
@@ -11,17 +12,100 @@
 
 namespace gnomon::irradiance_cache {
 
+namespace {
+
+constexpr float k_untested = 0.02f;   // of a patch's light: less is added without a ray
+
+// Sums surfaces by owner and by the octant that they face, and divides each sum by halves.
+class Octants {
+ public:
+    Octants(std::vector<DynamicVirtualLight>& lights, std::vector<DynamicVirtualLight>& halves)
+        : lights_(lights), halves_(halves)
+    {
+    }
+
+    void add(const DynamicVirtualLight& part)
+    {
+        const glm::vec3& n = part.normal;
+        const std::uint32_t octant = (n.x < 0 ? 1u : 0u) | (n.y < 0 ? 2u : 0u) | (n.z < 0 ? 4u : 0u);
+        const auto [at, first] =
+            found_.try_emplace((static_cast<std::uint64_t>(part.owner) << 3) | octant, octants_.size());
+        if (first) octants_.emplace_back();
+        octants_[at->second].push_back(static_cast<std::uint32_t>(parts_.size()));
+        parts_.push_back(part);
+    }
+
+    void finish()
+    {
+        for (std::vector<std::uint32_t>& octant : octants_) lights_.push_back(sum(octant, 0));
+    }
+
+ private:
+    static constexpr int k_most_divisions = 4;
+
+    // Means weighted by flux, and the surface nearest to the mean position as the sample.
+    DynamicVirtualLight sum(std::span<std::uint32_t> some, int level)
+    {
+        DynamicVirtualLight light{.owner = parts_[some.front()].owner};
+        Box3 box;
+        for (const std::uint32_t k : some) {
+            const DynamicVirtualLight& part = parts_[k];
+            const float weight = luminance(part.flux);
+            light.flux += part.flux, light.area += part.area;
+            light.position += weight * part.position, light.normal += weight * part.normal;
+            box.add(part.position);
+        }
+        const float flux = luminance(light.flux), length = glm::length(light.normal);
+        if (flux > 0) light.position /= flux;
+        if (length > 0) light.normal /= length;
+        float nearest = k_infinity;
+        for (const std::uint32_t k : some) {
+            const float distance = glm::length(parts_[k].position - light.position);
+            if (distance < nearest) nearest = distance, light.sample = parts_[k].sample;
+        }
+        if (level == k_most_divisions || some.size() < 2 || !(flux > 0)) return light;
+        // Split at the median of the longest axis.
+        const glm::vec3 size = box.size();
+        const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+        const auto middle = some.begin() + static_cast<std::ptrdiff_t>(some.size() / 2);
+        std::nth_element(some.begin(), middle, some.end(), [&](std::uint32_t a, std::uint32_t b) {
+            const float x = parts_[a].position[axis], y = parts_[b].position[axis];
+            return x < y || (x == y && a < b);
+        });
+        const DynamicVirtualLight one = sum({some.begin(), middle}, level + 1),
+                                  two = sum({middle, some.end()}, level + 1);
+        light.halves = static_cast<std::uint32_t>(halves_.size());
+        halves_.push_back(one), halves_.push_back(two);
+        return light;
+    }
+
+    std::vector<DynamicVirtualLight>&lights_, &halves_;
+    std::vector<DynamicVirtualLight> parts_;
+    std::vector<std::vector<std::uint32_t>> octants_;
+    std::unordered_map<std::uint64_t, std::size_t> found_;
+};
+
+// Keeps the brightest lights, in their order.
+void keep_brightest(std::vector<DynamicVirtualLight>& lights, std::size_t count)
+{
+    if (lights.size() > count) {
+        std::vector<float> flux;
+        for (const DynamicVirtualLight& light : lights) flux.push_back(luminance(light.flux));
+        std::nth_element(flux.begin(), flux.begin() + static_cast<std::ptrdiff_t>(count), flux.end(), std::greater<>());
+        const float least = flux[count];
+        std::erase_if(lights, [&](const DynamicVirtualLight& light) { return !(luminance(light.flux) > least); });
+    }
+    std::erase_if(lights, [](const DynamicVirtualLight& light) { return light.flux == glm::vec3(0); });
+}
+
+}   // namespace
+
 // Finds the lit surfaces of dynamic objects, in every frame in which one moves, and sums them by owner and by the
 // octant that they face.
 void LightTree::gather_dynamic()
 {
-    dynamic_.clear();
-    struct Lit {
-        glm::vec3 position, sample;
-        std::size_t of;
-    };
-    std::vector<Lit> lit;
-    std::unordered_map<std::uint64_t, std::size_t> found;
+    dynamic_.clear(), dynamic_halves_.clear();
+    Octants octants(dynamic_, dynamic_halves_);
     ray::RayQueue queue;
     queue.purpose = ray::RayClass::indirect;
     ray::Hits hits;
@@ -62,47 +146,79 @@ void LightTree::gather_dynamic()
         rays_->closest(queue, 0, texels.size(), hits, ray::Sides::both);
         const std::vector<glm::vec3> factor =
             find_thin_leaves(state_->scene(), *rays_, queue, view.behind, ray::Against::everything, hits);
-        // Sum the lit surfaces by owner and octant.
         for (std::size_t i = 0; i < texels.size(); ++i) {
             if (hits.object[i] == scene::none || !state_->is_dynamic(hits.object[i])) continue;
             const Leaf leaf = leaf_at(view, queue, hits, i, measure[i], factor);
-            if (!(leaf.area > 0)) continue;
-            const std::uint32_t octant =
-                (leaf.normal.x < 0 ? 1u : 0u) | (leaf.normal.y < 0 ? 2u : 0u) | (leaf.normal.z < 0 ? 4u : 0u);
-            const std::uint32_t owner = owner_of(leaf.object);
-            const auto [at, first] =
-                found.try_emplace((static_cast<std::uint64_t>(owner) << 3) | octant, dynamic_.size());
-            if (first) dynamic_.push_back({.owner = owner});
-            DynamicVirtualLight& light = dynamic_[at->second];
-            const float flux = luminance(leaf.flux);
-            light.flux += leaf.flux;
-            light.area += leaf.area;
-            light.position += flux * leaf.position;
-            light.normal += flux * leaf.normal;
-            lit.push_back({leaf.position, leaf.sample, at->second});
+            if (leaf.area > 0)
+                octants.add({owner_of(leaf.object), leaf.position, leaf.normal, leaf.sample, leaf.flux, leaf.area});
         }
     }
-    // Divide the sums, and take the surface nearest to the mean position as the sample.
-    std::vector<float> nearest(dynamic_.size(), k_infinity);
-    for (DynamicVirtualLight& light : dynamic_) {
-        const float flux = luminance(light.flux), length = glm::length(light.normal);
-        if (flux > 0) light.position /= flux;
-        if (length > 0) light.normal /= length;
-    }
-    for (const Lit& leaf : lit) {
-        const float distance = glm::length(leaf.position - dynamic_[leaf.of].position);
-        if (distance < nearest[leaf.of]) nearest[leaf.of] = distance, dynamic_[leaf.of].sample = leaf.sample;
-    }
-    // Keep the brightest, in the order in which they were found.
-    if (dynamic_.size() > options_.dynamic_lights) {
-        std::vector<float> flux;
-        for (const DynamicVirtualLight& light : dynamic_) flux.push_back(luminance(light.flux));
-        std::nth_element(flux.begin(), flux.begin() + static_cast<std::ptrdiff_t>(options_.dynamic_lights), flux.end(),
-                         std::greater<>());
-        const float least = flux[options_.dynamic_lights];
-        std::erase_if(dynamic_, [&](const DynamicVirtualLight& light) { return !(luminance(light.flux) > least); });
-    }
-    std::erase_if(dynamic_, [](const DynamicVirtualLight& light) { return light.flux == glm::vec3(0); });
+    octants.finish();
+    keep_brightest(dynamic_, options_.dynamic_lights);
+    if (!patches_) return;
+    // Add what the objects reflect of other light, as lights of their own: they have other areas.
+    std::vector<DynamicVirtualLight> others;
+    Octants of_others(others, dynamic_halves_);
+    const std::vector<glm::vec3> exitance = patches_->exitance_now(lost_);
+    for (const DynamicReflection::Reflector& r : reflection_.gather(
+             *state_, *rays_, dynamic_groups_, {patches_->patches(), exitance, patches_->surroundings(), sized_}))
+        of_others.add({owner_of(r.object), r.position, r.normal, r.sample, r.flux, r.area});
+    of_others.finish();
+    keep_brightest(others, options_.dynamic_lights);
+    dynamic_.insert(dynamic_.end(), others.begin(), others.end());
+}
+
+// Finds what dynamic objects reflect to patches.
+void LightTree::receive_dynamic(Tasks& tasks)
+{
+    received_.clear();
+    if (!patches_ || !patches_->bounces() || dynamic_.empty()) return;
+    const std::span<const patches::Patch> all = patches_->patches().patches();
+    received_.assign(all.size(), glm::vec3(0));
+    constexpr std::size_t k_patches_at_once = 512;
+    tasks.for_each((all.size() + k_patches_at_once - 1) / k_patches_at_once, [&](std::size_t run, int) {
+        interruption_point();
+        ray::RayQueue queue;
+        queue.purpose = ray::RayClass::indirect;
+        std::vector<std::pair<std::size_t, glm::vec3>> arriving;   // by ray: patch, irradiance
+        const std::size_t last = std::min((run + 1) * k_patches_at_once, all.size());
+        for (std::size_t p = run * k_patches_at_once; p < last; ++p) {
+            const patches::Patch& patch = all[p];
+            const float already = luminance(patches_->static_flux()[p]) / patch.area;
+            const float albedo = luminance(patches_->albedo()[p]);
+            // The kernel of a disk, as for points.
+            const auto kernel = [&](const DynamicVirtualLight& light) {
+                const glm::vec3 to = light.sample - patch.sample;
+                const float square = glm::dot(to, to);
+                const float cosine = glm::dot(to, patch.normal), facing = -glm::dot(to, light.normal);
+                if (!(cosine > 0) || !(facing > 0)) return 0.0f;
+                return facing * cosine / (square * (static_cast<float>(k_pi) * square + light.area));
+            };
+            for (const DynamicVirtualLight& light : dynamic_) {
+                const glm::vec3 way = light.sample - patch.sample;
+                const bool near = light.is_near(glm::dot(way, way));
+                const glm::vec3 irradiance = kernel(light) * light.flux;
+                if (!near && albedo * luminance(irradiance) < k_untested * already) {
+                    received_[p] += irradiance;
+                    continue;
+                }
+                for_each_part(light, dynamic_halves_, patch.sample, [&](const DynamicVirtualLight& part) {
+                    const float of_part = kernel(part);
+                    if (!(of_part > 0)) return;
+                    queue.push(patch.sample, 0, part.sample - patch.sample, options_.ray_end);
+                    arriving.emplace_back(p, of_part * part.flux);
+                });
+            }
+        }
+        if (queue.empty()) return;
+        std::vector<std::uint8_t> occluded(queue.size() + ray::k_packet_pad);
+        rays_->occluded(queue, 0, queue.size(), occluded.data());
+        std::vector<glm::vec3> passes(rays_->thins_light() ? queue.size() : 0);
+        if (!passes.empty()) rays_->let_through(queue, 0, queue.size(), passes.data(), ray::Against::everything);
+        for (std::size_t r = 0; r < arriving.size(); ++r)
+            if (!occluded[r])
+                received_[arriving[r].first] += passes.empty() ? arriving[r].second : arriving[r].second * passes[r];
+    });
 }
 
 }   // namespace gnomon::irradiance_cache

@@ -152,10 +152,18 @@ void LightTree::build(Tasks& tasks)
             children_[patch_first_ + n] = patch_first_ / 4 + below;
     tasks.for_each(views_.size(), [&](std::size_t v, int) { make_view(views_[v]); });
     light_patches(tasks);
-    light_patches_now(tasks);
     find_roots();
-    mark_changes();
+    follow_light(tasks);
+}
+
+// Finds what dynamic objects occlude and reflect now.
+void LightTree::follow_light(Tasks& tasks)
+{
+    if (patches_) lost_ = lit_patches(true);
     gather_dynamic();
+    receive_dynamic(tasks);
+    light_patches_now(tasks);
+    mark_changes();
 }
 
 void LightTree::find_dynamics()
@@ -163,6 +171,13 @@ void LightTree::find_dynamics()
     dynamics_.clear();
     for (scene::ObjectId o = 0; o < state_->scene().objects.size(); ++o)
         if (state_->is_dynamic(o) && !state_->scene().objects[o].removed && casters_.casts(o)) dynamics_.push_back(o);
+    dynamic_groups_.clear();
+    std::unordered_map<std::uint32_t, std::size_t> group_of_owner;
+    for (const scene::ObjectId o : dynamics_) {
+        const auto [at, first] = group_of_owner.try_emplace(owner_of(o), dynamic_groups_.size());
+        if (first) dynamic_groups_.emplace_back();
+        dynamic_groups_[at->second].push_back(o);
+    }
 }
 
 void LightTree::find_roots()
@@ -485,7 +500,9 @@ void LightTree::update(const scene::SceneState& state, const ray::RayScene& rays
     if (!follow_patches(tasks, relit) || follow_lights_and_bounds(tasks)) return;
     const bool promoted = !changes.promoted.empty(), all = promoted || !changes.materials_changed.empty();
     geometry_changed_ = all || relit || !changes.lights_moved.empty() || !changes.lights_relit.empty();
-    if (promoted || !changes.added.empty() || !changes.removed.empty()) find_dynamics();
+    const bool other_objects = !changes.added.empty() || !changes.removed.empty();
+    if (promoted || other_objects || !changes.separated.empty()) find_dynamics();
+    if (other_objects || !changes.materials_changed.empty()) reflection_.forget();
     if (geometry_changed_) {
         tasks.for_each(views_.size(), [&](std::size_t v, int) {
             if (all || changes.light_changed(views_[v].light)) make_view(views_[v]);
@@ -497,9 +514,7 @@ void LightTree::update(const scene::SceneState& state, const ray::RayScene& rays
     const bool unchanged = changes.changed.empty();
     if (unchanged && !geometry_changed_) return;
     if (!unchanged && !all) follow_dynamic(changes);
-    light_patches_now(tasks);
-    mark_changes();
-    gather_dynamic();
+    follow_light(tasks);
 }
 
 // Builds the tree anew in other bounds, or if lights that changed have another number of views or a brightness that

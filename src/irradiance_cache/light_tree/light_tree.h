@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "base/tasks.h"
+#include "irradiance_cache/light_tree/dynamic_reflection.h"
 #include "irradiance_cache/light_tree/patch_light.h"
 #include "light_views/casters.h"
 #include "ray/origin.h"
@@ -56,14 +57,31 @@ struct VirtualLightQuad {
     float flux[4];               // static flux, luminance; 0: no node
 };
 
-/// The lit surfaces of a dynamic object, or of a group, that face one octant.
+/// The surfaces of a dynamic object, or of a group, that face one octant and reflect light.
 struct DynamicVirtualLight {
     std::uint32_t owner = 0;            // owner_of() the object
     glm::vec3 position{0}, normal{0};   // means weighted by flux; the normal is unit
     glm::vec3 sample{0};                // place for which visibility is tested
     glm::vec3 flux{0};
     float area = 0;
+    std::uint32_t halves = scene::none;   // LightTree::dynamic_halves(): the first of two that it consists of
+
+    /// Whether its halves must stand for it at this squared distance, as a disk seen from near by would be wrong.
+    bool is_near(float square) const { return halves != scene::none && square < k_near * area; }
+
+ private:
+    static constexpr float k_near = 6;
 };
+
+/// Calls use(part) for the parts of a light that are small as seen from a point.
+template <class Use>
+void for_each_part(const DynamicVirtualLight& light, std::span<const DynamicVirtualLight> halves,
+                   const glm::vec3& point, const Use& use)
+{
+    const glm::vec3 way = light.sample - point;
+    if (!light.is_near(glm::dot(way, way))) return use(light);
+    for (std::uint32_t k = light.halves; k < light.halves + 2; ++k) for_each_part(halves[k], halves, point, use);
+}
 
 class LightTree {
  public:
@@ -107,6 +125,8 @@ class LightTree {
     /// Nodes whose flux or differs() the last update may have changed; some twice.
     const std::vector<NodeId>& changed() const { return changed_; }
     const std::vector<DynamicVirtualLight>& dynamic_lights() const { return dynamic_; }
+    /// Parts of these, and parts of parts.
+    const std::vector<DynamicVirtualLight>& dynamic_halves() const { return dynamic_halves_; }
     /// A number for what moves together with a dynamic object: its rigid group, or the object alone.
     std::uint32_t owner_of(scene::ObjectId object) const;
     /// By node: a place just above the leaf nearest to the mean, for which visibility is tested. w is 1 if the flux
@@ -187,6 +207,7 @@ class LightTree {
     void occlude_leaves(View& view, const std::vector<light_views::Rect>& where);
     void mark_changes();
     void gather_dynamic();
+    void receive_dynamic(Tasks& tasks);
     void find_dynamics();
     void find_roots();
     void make_patches(Tasks& tasks);
@@ -194,6 +215,7 @@ class LightTree {
 
     std::vector<glm::vec3> lit_patches(bool occluded_only) const;
     void light_patches(Tasks& tasks);
+    void follow_light(Tasks& tasks);
     void light_patches_now(Tasks& tasks);
     void sum_children(Flux& flux, NodeId id) const;
     static NodeId first_of_level(const View& view, int level)
@@ -214,13 +236,17 @@ class LightTree {
     Samples samples_;
     Flux flux_, static_flux_;
     std::size_t differing_ = 0;
-    std::vector<DynamicVirtualLight> dynamic_;
+    std::vector<DynamicVirtualLight> dynamic_, dynamic_halves_;
+    DynamicReflection reflection_;
+    std::vector<glm::vec3> lost_;       // flux of leaves that dynamic objects occlude, by patch
+    std::vector<glm::vec3> received_;   // irradiance that dynamic objects reflect to patches
     const scene::SceneState* state_;
     const ray::RayScene* rays_;
     std::vector<NodeId> children_;
     std::vector<NodeId> roots_;
-    std::vector<NodeId> changed_;             // by the last update
-    std::vector<scene::ObjectId> dynamics_;   // dynamic objects that cast shadows
+    std::vector<NodeId> changed_;                                // by the last update
+    std::vector<scene::ObjectId> dynamics_;                      // dynamic objects that cast shadows
+    std::vector<std::vector<scene::ObjectId>> dynamic_groups_;   // of these, by owner
     std::uint32_t geometry_version_ = 1, flux_version_ = 1;
     bool geometry_changed_ = false;
     std::atomic<std::uint64_t> dirty_leaves_ = 0, dirty_nodes_ = 0;

@@ -84,8 +84,9 @@ PatchTree tree_over(std::span<const patches::Patch> patches)
 PatchLight::PatchLight(const scene::SceneState& state, const ray::RayScene& rays, const PatchLightOptions& options,
                        Tasks& tasks)
     : options_(options),
+      surroundings_(state.scene().background),
       patches_(state, rays, options.patches, tasks),
-      links_(patches::link_patches(patches_, state, rays, patches::Surroundings(state.scene().background), tasks)),
+      links_(patches::link_patches(patches_, state, rays, surroundings_, tasks)),
       emission_(patches_, options.lights),
       tree_(tree_over(patches_.patches())),
       albedo_(patches_.albedo(state.scene(), rays, tasks))
@@ -107,7 +108,8 @@ bool PatchLight::follow(const scene::SceneState& state, const ray::RayScene& ray
     const bool reflects = !state.changes().materials_changed.empty();
     if (reflects) albedo_ = patches_.albedo(state.scene(), rays, tasks);
     if (reflects && (rays.thins_light() || !links_.passes.empty())) {
-        links_ = patches::link_patches(patches_, state, rays, patches::Surroundings(state.scene().background), tasks);
+        surroundings_ = patches::Surroundings(state.scene().background);
+        links_ = patches::link_patches(patches_, state, rays, surroundings_, tasks);
         emission_.forget();
     }
     const bool relit = emission_.update(state, rays, lights, tasks);
@@ -130,18 +132,38 @@ void PatchLight::light_static(std::span<const glm::vec3> lit, Tasks& tasks)
         const std::vector<glm::vec3> bounced = patches::bounce(links_, surfaces(), direct, 0, options, tasks);
         for (std::size_t p = 0; p < count; ++p) static_flux_[p] += area_[p] * bounced[p];
         all_ = patches::total_flux(surfaces(), direct) + patches::total_flux(surfaces(), bounced);
+        // Of the last bounce that is asked for, nothing bounces on.
+        static_exitance_ = std::move(direct);
+        if (sweeps() > 1)
+            for (std::size_t p = 0; p < count; ++p) static_exitance_[p] += bounced[p];
     }
     flux_ = static_flux_;
     differs_ = false;
 }
 
-void PatchLight::light_now(std::span<const glm::vec3> lost, Tasks& tasks)
+std::vector<glm::vec3> PatchLight::exitance_now(std::span<const glm::vec3> lost) const
+{
+    std::vector<glm::vec3> exitance = static_exitance_;
+    for (std::size_t p = 0; p < exitance.size(); ++p) {
+        exitance[p] += albedo_[p] * (emission_.irradiance()[p] - emission_.static_irradiance()[p]) - lost[p] / area_[p];
+        exitance[p] = glm::max(exitance[p], glm::vec3(0));
+    }
+    return exitance;
+}
+
+void PatchLight::light_now(std::span<const glm::vec3> lost, std::span<const glm::vec3> received,
+                           const scene::SceneState& state, const ray::RayScene& rays,
+                           std::span<const patches::BoundingSphere> spheres, Tasks& tasks)
 {
     const std::size_t count = area_.size();
+    const std::vector<glm::vec3> blocked =
+        patches::blocked_links(patches_, links_, state, rays, surroundings_, spheres, static_exitance_, tasks);
     std::vector<glm::vec3> difference(count);
     bool any = false;
     for (std::size_t p = 0; p < count; ++p) {
         difference[p] = albedo_[p] * (emission_.irradiance()[p] - emission_.static_irradiance()[p]);
+        if (!received.empty()) difference[p] += albedo_[p] * received[p];
+        difference[p] -= albedo_[p] * blocked[p];
         any = any || difference[p] != glm::vec3(0);
     }
     if (!any && std::all_of(lost.begin(), lost.end(), [](const glm::vec3& v) { return v == glm::vec3(0); })) {
@@ -162,7 +184,8 @@ void PatchLight::light_now(std::span<const glm::vec3> lost, Tasks& tasks)
 std::size_t PatchLight::bytes() const
 {
     return patches_.bytes() + links_.bytes() + emission_.bytes() + tree_.children.size() * 2 * sizeof(std::uint32_t) +
-           area_.size() * (sizeof(float) + sizeof(std::uint32_t) + 3 * sizeof(glm::vec3));
+           area_.size() * (sizeof(float) + sizeof(std::uint32_t) + 3 * sizeof(glm::vec3)) +
+           static_exitance_.size() * sizeof(glm::vec3);
 }
 
 }   // namespace gnomon::irradiance_cache

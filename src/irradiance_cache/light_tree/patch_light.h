@@ -6,7 +6,7 @@
 // A patch reflects what reaches it directly from emissive surfaces and from beyond the scene, which have no light maps,
 // and all light that has bounced before. What light maps see lit is the first bounce of their lights: it is gathered
 // from the maps' own leaves, and is here the light that bounces on. While a dynamic object occludes a texel or a part
-// of an emissive surface, the difference bounces on in the same way.
+// of an emissive surface, or reflects light to patches, the difference bounces on in the same way.
 //
 // Fluxes are functions of the present state, and all sums have a fixed order.
 
@@ -63,8 +63,16 @@ class PatchLight {
     /// @param lit  radiant flux of the light maps' leaves, by patch
     void light_static(std::span<const glm::vec3> lit, Tasks& tasks);
     /// Finds the light of this frame.
-    /// @param lost  of that flux, what dynamic objects occlude
-    void light_now(std::span<const glm::vec3> lost, Tasks& tasks);
+    /// @param lost      of that flux, what dynamic objects occlude
+    /// @param received  irradiance by patch that dynamic objects reflect to it; empty: none
+    /// @param spheres   around dynamic objects, which may come between patches
+    void light_now(std::span<const glm::vec3> lost, std::span<const glm::vec3> received, const scene::SceneState& state,
+                   const ray::RayScene& rays, std::span<const patches::BoundingSphere> spheres, Tasks& tasks);
+    /// Radiant exitance by patch that lights dynamic objects: of static light, past what they occlude directly. Empty
+    /// if light bounces once.
+    std::vector<glm::vec3> exitance_now(std::span<const glm::vec3> lost) const;
+    const patches::Surroundings& surroundings() const { return surroundings_; }
+    std::span<const glm::vec3> albedo() const { return albedo_; }
 
     /// Radiant flux by patch: without dynamic objects, and now.
     std::span<const glm::vec3> static_flux() const { return static_flux_; }
@@ -79,6 +87,7 @@ class PatchLight {
     patches::PatchSurfaces surfaces() const { return {albedo_, area_}; }
 
     PatchLightOptions options_;
+    patches::Surroundings surroundings_;
     patches::SurfacePatches patches_;
     patches::PatchLinks links_;
     patches::PatchEmission emission_;
@@ -88,6 +97,7 @@ class PatchLight {
     std::vector<float> area_;
     double all_ = 0;   // the flux of all static light
     std::vector<glm::vec3> static_flux_, flux_;
+    std::vector<glm::vec3> static_exitance_;   // that may bounce on, of light maps' leaves as well
     bool differs_ = false;
 };
 

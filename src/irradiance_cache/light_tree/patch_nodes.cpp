@@ -11,6 +11,20 @@ namespace {
 
 constexpr float k_much = 0.1f;   // of the light of the brightest child
 
+void add_moved(const Box3& box, const glm::mat4& moved, Box3& to)
+{
+    for (int corner = 0; corner < 8; ++corner)
+        to.add(
+            transform_point(moved, glm::vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                             corner & 4 ? box.high.z : box.low.z)));
+}
+
+patches::BoundingSphere sphere_around(const Box3& box)
+{
+    constexpr float k_rounding = 1.001f;
+    return {box.centre(), 0.5f * box.diagonal() * k_rounding};
+}
+
 }   // namespace
 
 // Decides whether there are patches, and makes them if there are none.
@@ -124,12 +138,20 @@ void LightTree::light_patches(Tasks& tasks)
     patches_changed_ = true;
 }
 
-// Follows what dynamic objects occlude now.
+// Follows what dynamic objects occlude and reflect now.
 void LightTree::light_patches_now(Tasks& tasks)
 {
     if (!patches_) return;
     const bool before = patches_->differs();
-    patches_->light_now(lit_patches(true), tasks);
+    std::vector<patches::BoundingSphere> spheres;
+    for (const std::vector<scene::ObjectId>& group : dynamic_groups_) {
+        Box3 box;
+        for (const scene::ObjectId o : group)
+            if (state_->object_visible(o) && !casters_.box(o).empty())
+                add_moved(casters_.box(o), state_->object_matrix(o), box);
+        if (!box.empty()) spheres.push_back(sphere_around(box));
+    }
+    patches_->light_now(lost_, received_, *state_, *rays_, spheres, tasks);
     if (!before && !patches_->differs()) return;
     const PatchTree& tree = patches_->tree();
     const std::size_t count = tree.children.size();

@@ -183,21 +183,28 @@ void PresentLight::add_dynamic_lights(const CacheFrame& frame, CachePoint& point
 {
     if (frame.lights.dynamic_lights().empty()) return;
     const float already = luminance(point.irradiance(point.normal));
-    for (const DynamicVirtualLight& light : frame.lights.dynamic_lights()) {
+    // Adds a light that is small as seen from the point.
+    const auto add = [&](const DynamicVirtualLight& light, bool tested) {
         const glm::vec3 to = light.sample - point.origin();
         const float square = glm::dot(to, to), distance = std::sqrt(square);
         const float cosine = glm::dot(to, point.normal), facing = -glm::dot(to, light.normal);
-        if (!(cosine > 0) || !(facing > 0) || !(glm::dot(to, point.horizon) > 0)) continue;
-        if (light.owner == point.owner) continue;
+        if (!(cosine > 0) || !(facing > 0) || !(glm::dot(to, point.horizon) > 0)) return;
         // The kernel of a disk, as for nodes of the tree (point_kernels.h).
         const float kernel = facing / distance / (static_cast<float>(k_pi) * square + light.area);
         const glm::vec3 direction = to * (kernel / distance);
-        if (luminance(light.flux) * glm::dot(direction, point.normal) < frame.options.untested * already) {
+        if (!tested && luminance(light.flux) * glm::dot(direction, point.normal) < frame.options.untested * already) {
             point.add_light(light.flux, direction);
-            continue;
+            return;
         }
         bounce_rays_.push(point.origin(), 0, to, frame.options.light_tree.ray_end);
         bounces_.push_back({&point, light.flux, direction});
+    };
+    for (const DynamicVirtualLight& light : frame.lights.dynamic_lights()) {
+        if (light.owner == point.owner) continue;
+        const glm::vec3 way = light.sample - point.origin();
+        const bool near = light.is_near(glm::dot(way, way));
+        for_each_part(light, frame.lights.dynamic_halves(), point.origin(),
+                      [&](const DynamicVirtualLight& part) { add(part, near); });
     }
 }
 

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irradiance_cache/light_tree/dynamic_reflection.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/interruption.h"
+#include "lighting/diffuse.h"
+#include "ray/origin.h"
+#include "shading/polygon_light.h"
+
+namespace gnomon::irradiance_cache {
+
+namespace {
+
+constexpr std::size_t k_places = 64, k_least_places = 8, k_places_in_all = 1024;   // of a group, and of all groups
+constexpr std::size_t k_rays = 8;                                                  // of a place
+constexpr double k_golden_angle = 2.399963229728653;                               // radians
+// Steps of a sequence that fills the unit square evenly [Roberts 2018].
+constexpr double k_step_u = 0.7548776662466927, k_step_v = 0.5698402909980532;
+// A mesh whose areas, as vectors, sum up to less than this fraction of its area is taken to be closed.
+constexpr double k_closed = 1e-3;
+
+double area_of(const glm::vec3 (&p)[3])
+{
+    return 0.5 * static_cast<double>(glm::length(glm::cross(p[1] - p[0], p[2] - p[0])));
+}
+
+// Ray r of place k, about +z: a Fibonacci lattice on the unit disk, projected up. That of each place is turned and has
+// other radii, so that places that face the same way look in many directions together.
+glm::vec3 direction_of(std::size_t k, std::size_t r)
+{
+    const double place = static_cast<double>(k + 1), ray = static_cast<double>(r);
+    const double square = (ray + std::fmod(place * k_step_v, 1.0)) / static_cast<double>(k_rays);
+    const double phi = (ray + place) * k_golden_angle, radius = std::sqrt(square);
+    return glm::vec3(glm::dvec3(radius * std::cos(phi), radius * std::sin(phi), std::sqrt(1 - square)));
+}
+
+}   // namespace
+
+DynamicReflection::Surface& DynamicReflection::surface_of(const scene::SceneState& state, const ray::RayScene& rays,
+                                                          scene::ObjectId object)
+{
+    const scene::Mesh* mesh = rays.geometry(object).mesh;
+    Surface& surface = surfaces_[object];
+    if (surface.mesh == mesh) return surface;
+    surface = {};
+    surface.mesh = mesh;
+    // Sum the areas of what blocks light.
+    surface.sums.resize(mesh->triangles.size());
+    glm::dvec3 vectors(0);
+    for (std::uint32_t t = 0; t < mesh->triangles.size(); ++t) {
+        const scene::Material& material = state.scene().materials[mesh->part_of(t).material];
+        if (material.surface_class() != scene::SurfaceClass::transparent) {
+            const glm::uvec3 index = mesh->triangles[t];
+            const glm::dvec3 a(mesh->positions[index.x]), b(mesh->positions[index.y]), c(mesh->positions[index.z]);
+            const glm::dvec3 vector = 0.5 * glm::cross(b - a, c - a);
+            surface.area += glm::length(vector), vectors += vector;
+        }
+        surface.sums[t] = surface.area;
+    }
+    surface.closed = glm::length(vectors) < k_closed * surface.area;
+    return surface;
+}
+
+// Chooses places of an object at equal steps of its area at rest: on both sides, unless it is closed.
+void DynamicReflection::choose_places(Surface& surface, std::size_t wanted)
+{
+    if (surface.wanted == wanted) return;
+    surface.wanted = wanted;
+    surface.places.clear();
+    const std::vector<double>& sums = surface.sums;
+    const std::size_t sides = surface.closed ? 1 : 2, count = std::max<std::size_t>(wanted / sides, 1);
+    std::uint32_t t = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        const double at = surface.area * (static_cast<double>(k) + 0.5) / static_cast<double>(count);
+        while (t + 1 < sums.size() && sums[t] < at) ++t;
+        const double of_triangle = sums[t] - (t > 0 ? sums[t - 1] : 0);
+        double u = std::fmod(static_cast<double>(k + 1) * k_step_u, 1.0),
+               v = std::fmod(static_cast<double>(k + 1) * k_step_v, 1.0);
+        if (u + v > 1) u = 1 - u, v = 1 - v;
+        const auto share = static_cast<float>(surface.area / static_cast<double>(count) / of_triangle);
+        for (std::size_t side = 0; side < sides; ++side)
+            surface.places.push_back({t, static_cast<float>(u), static_cast<float>(v), share, side == 0});
+    }
+}
+
+void DynamicReflection::add_places(const scene::SceneState& state, const ray::RayScene& rays, scene::ObjectId object,
+                                   const std::vector<Place>& places)
+{
+    const ray::ObjectGeometry& geometry = rays.geometry(object);
+    for (const Place& place : places) {
+        glm::vec3 p[3];
+        geometry.corners(place.triangle, p);
+        glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
+        const float length = glm::length(normal);
+        if (!(length > 0)) continue;
+        normal /= length;
+        if (place.front == geometry.mirrored) normal = -normal;
+        const glm::vec3 position = (1 - place.u - place.v) * p[0] + place.u * p[1] + place.v * p[2];
+        reflectors_.push_back({object, position, normal, position + ray::origin_lift(p) * normal, glm::vec3(0),
+                               place.share * static_cast<float>(area_of(p))});
+        albedo_.push_back(lighting::albedo(state.scene(), geometry, place.triangle, place.u, place.v));
+    }
+}
+
+std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
+    const scene::SceneState& state, const ray::RayScene& rays, std::span<const std::vector<scene::ObjectId>> groups,
+    const Light& light)
+{
+    reflectors_.clear(), albedo_.clear();
+    if (groups.empty() || (light.exitance.empty() && !light.surroundings.any() && light.emission.empty())) return {};
+    surfaces_.resize(state.scene().objects.size());
+    const std::size_t of_group = std::clamp(k_places_in_all / groups.size(), k_least_places, k_places);
+    for (const std::vector<scene::ObjectId>& group : groups) {
+        // Divide the group's places by the objects' areas.
+        std::vector<std::pair<scene::ObjectId, double>> areas;
+        double all = 0;
+        for (const scene::ObjectId o : group) {
+            if (!state.object_visible(o)) continue;
+            const glm::dmat3 turn(state.object_matrix(o));
+            const double scale = std::cbrt(std::abs(glm::determinant(turn)));
+            areas.emplace_back(o, surface_of(state, rays, o).area * scale * scale);
+            all += areas.back().second;
+        }
+        for (const auto& [o, area] : areas) {
+            if (!(area > 0)) continue;
+            Surface& surface = surfaces_[o];
+            const double wanted = std::round(area / all * static_cast<double>(of_group));
+            choose_places(surface, std::max<std::size_t>(static_cast<std::size_t>(wanted), 1));
+            add_places(state, rays, o, surface.places);
+        }
+    }
+    irradiance_.assign(reflectors_.size(), glm::vec3(0));
+    light_by_patches(state, rays, light);
+    light_by_emission(rays, light);
+    for (std::size_t k = 0; k < reflectors_.size(); ++k)
+        reflectors_[k].flux = reflectors_[k].area * albedo_[k] * irradiance_[k];
+    return reflectors_;
+}
+
+// Adds what patches and the surroundings bring.
+void DynamicReflection::light_by_patches(const scene::SceneState& state, const ray::RayScene& rays, const Light& light)
+{
+    if (light.exitance.empty() && !light.surroundings.any()) return;
+    interruption_point();
+    rays_.clear();
+    for (std::size_t k = 0; k < reflectors_.size(); ++k) {
+        const Reflector& from = reflectors_[k];
+        glm::vec3 x, y;
+        make_basis(from.normal, x, y);
+        for (std::size_t r = 0; r < k_rays; ++r) {
+            const glm::vec3 d = direction_of(k, r);
+            rays_.push(from.sample, d.x * x + d.y * y + d.z * from.normal);
+        }
+    }
+    rays_.trace(state.scene(), rays, ray::Against::everything);
+    std::vector<glm::vec3> passes(rays.thins_light() ? rays_.size() : 0);
+    if (!passes.empty()) rays_.find_passing(rays, passes.data(), ray::Against::everything);
+    constexpr float k_weight = 1 / static_cast<float>(k_rays);
+    for (std::size_t r = 0; r < rays_.size(); ++r) {
+        glm::vec3 arrives(0);
+        if (rays_.leaves(r)) {
+            if (light.surroundings.any())
+                arrives = static_cast<float>(k_pi) * light.surroundings.radiance(rays_.direction(r));
+        } else if (!light.exitance.empty()) {
+            const patches::PatchId met = rays_.patch(light.patches, rays, r);
+            if (met != patches::k_no_patch) arrives = light.exitance[met];
+        }
+        irradiance_[r / k_rays] += k_weight * (passes.empty() ? arrives : arrives * passes[r]);
+    }
+}
+
+// Adds what emissive surfaces bring.
+void DynamicReflection::light_by_emission(const ray::RayScene& rays, const Light& light)
+{
+    ray::RayQueue queue;
+    queue.purpose = ray::RayClass::indirect;
+    std::vector<std::pair<std::size_t, glm::vec3>> arriving;   // by ray: reflector, irradiance
+    for (const scene::SizedLight& of : light.emission.lights()) {
+        interruption_point();
+        for (std::size_t k = 0; k < reflectors_.size(); ++k) {
+            const Reflector& to = reflectors_[k];
+            if (of.places.empty() || glm::dot(to.normal, of.centre - to.position) <= -of.radius) continue;
+            // Choose a place of the light that is above the reflector's horizon.
+            std::size_t place = k % of.places.size(), tried = 0;
+            while (tried < of.places.size() && !(glm::dot(of.places[place].position - to.sample, to.normal) > 0))
+                place = (place + 1) % of.places.size(), ++tried;
+            if (tried == of.places.size()) continue;
+            shading::SurfacePoint s;
+            s.position = to.position;
+            s.geometric_normal = s.smooth_normal = s.normal = s.to_viewer = to.normal;
+            const glm::vec3 irradiance = shading::unshadowed(s, of, false).irradiance;
+            if (irradiance == glm::vec3(0)) continue;
+            queue.push(to.sample, 0, of.places[place].position - to.sample, ray::k_shadow_ray_end);
+            arriving.emplace_back(k, irradiance);
+        }
+    }
+    if (queue.empty()) return;
+    std::vector<std::uint8_t> occluded(queue.size() + ray::k_packet_pad);
+    rays.occluded(queue, 0, queue.size(), occluded.data());
+    std::vector<glm::vec3> passes(rays.thins_light() ? queue.size() : 0);
+    if (!passes.empty()) rays.let_through(queue, 0, queue.size(), passes.data(), ray::Against::everything);
+    for (std::size_t r = 0; r < arriving.size(); ++r)
+        if (!occluded[r])
+            irradiance_[arriving[r].first] += passes.empty() ? arriving[r].second : arriving[r].second * passes[r];
+}
+
+}   // namespace gnomon::irradiance_cache

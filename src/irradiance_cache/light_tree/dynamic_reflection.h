@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The light that dynamic objects reflect of what has no light map: emissive surfaces, what lies beyond the scene, and
+// light that has bounced off the patches of the static scene.
+//
+// Some places of the objects that move together, at equal steps of area, stand for their surface. In a frame in which
+// anything moves, each casts 8 rays; one that leaves the scene brings the light of the sky or of the environment image,
+// and one that ends on a patch what that patch reflects. Emissive surfaces add their closed form where one ray past
+// everything reaches them, at another of their places for each place. Light that one dynamic object would reflect to
+// another is left out.
+//
+// The result is a function of the present state. Cost: 8 rays and one for each emissive surface, for each place, of
+// which there are 64 of objects that move together and 1,024 of all.
+
+#include <vector>
+
+#include "patches/patch_rays.h"
+#include "patches/surroundings.h"
+#include "scene/sized_light.h"
+
+namespace gnomon::irradiance_cache {
+
+class DynamicReflection {
+ public:
+    /// A part of an object's surface, and the light that it reflects.
+    struct Reflector {
+        scene::ObjectId object = scene::none;
+        glm::vec3 position{0}, normal{0};
+        glm::vec3 sample{0};   // just above the position
+        glm::vec3 flux{0};     // radiant exitance times area
+        float area = 0;
+    };
+    /// What lights the objects.
+    struct Light {
+        const patches::SurfacePatches& patches;
+        std::span<const glm::vec3> exitance;   // of the patches, radiant; empty: none
+        const patches::Surroundings& surroundings;
+        const scene::SizedLights& emission;
+    };
+
+    /// Finds what dynamic objects reflect now.
+    /// @param groups  those that occlude light, by what moves together; some may be hidden
+    std::vector<Reflector> gather(const scene::SceneState& state, const ray::RayScene& rays,
+                                  std::span<const std::vector<scene::ObjectId>> groups, const Light& light);
+    /// Drops what is kept of the objects' meshes. Call where meshes or materials may be others.
+    void forget() { surfaces_.clear(); }
+
+ private:
+    struct Place {
+        std::uint32_t triangle = 0;
+        float u = 0, v = 0;
+        float share = 0;   // of the triangle's area, that it stands for
+        bool front = true;
+    };
+    // What is kept of an object.
+    struct Surface {
+        const scene::Mesh* mesh = nullptr;
+        double area = 0;            // at rest, of what occludes light
+        bool closed = false;        // only its front is lit
+        std::vector<double> sums;   // of these areas, by triangle
+        std::size_t wanted = 0;     // places
+        std::vector<Place> places;
+    };
+    Surface& surface_of(const scene::SceneState& state, const ray::RayScene& rays, scene::ObjectId object);
+    static void choose_places(Surface& surface, std::size_t wanted);
+    void add_places(const scene::SceneState& state, const ray::RayScene& rays, scene::ObjectId object,
+                    const std::vector<Place>& places);
+    void light_by_patches(const scene::SceneState& state, const ray::RayScene& rays, const Light& light);
+    void light_by_emission(const ray::RayScene& rays, const Light& light);
+
+    std::vector<Surface> surfaces_;   // by object
+    std::vector<Reflector> reflectors_;
+    std::vector<glm::vec3> irradiance_, albedo_;   // by reflector
+    patches::PatchRays rays_;
+};
+
+}   // namespace gnomon::irradiance_cache
