@@ -190,6 +190,39 @@ void Panel::options(ViewSettings& settings, PanelEvents& events)
     }
 }
 
+void Panel::clips(ViewSettings& settings, const Scene& scene, std::uint64_t loads, PanelEvents& events)
+{
+    if (listed_ != &scene || listed_loads_ != loads)
+        listed_ = &scene, listed_loads_ = loads, clips_ = scene.info().animations;
+    if (clips_.size() < 2) return;
+    const std::string current = settings.values().text("animation");
+    const auto choose = [&](const std::string& value) {
+        message = settings.set(*options::find_option(options::Subcommand::view, "animation"), value);
+        if (!message.empty()) return;
+        options_set.insert("animation");
+        events.scene_changed = true;
+    };
+    std::string label_now = current.empty() ? "default" : current;
+    for (std::size_t i = 0; i < clips_.size(); ++i)
+        if (current == std::to_string(i) && !clips_[i].name.empty()) label_now = clips_[i].name;
+    ImGui::PushItemWidth(-ImGui::GetFontSize() * 4);
+    if (ImGui::BeginCombo("clip", label_now.c_str())) {
+        if (ImGui::Selectable("default", current.empty())) choose("");
+        for (std::size_t i = 0; i < clips_.size(); ++i) {
+            const std::string number = std::to_string(i);
+            const std::string label = fmt::format("{}{}##{}", clips_[i].name.empty() ? number : clips_[i].name,
+                                                  clips_[i].plays ? " (plays)" : "", i);
+            if (ImGui::Selectable(label.c_str(), current == number)) choose(number);
+        }
+        if (ImGui::Selectable("all", current == "all")) choose("all");
+        ImGui::EndCombo();
+    }
+    tooltip(
+        "which animation of the file plays, as --animation chooses it; default: all that move different things, "
+        "or the first");
+    ImGui::PopItemWidth();
+}
+
 void Panel::player(Playback& playback, const Scene& scene) const
 {
     if (playback.frames <= 1) {
@@ -354,6 +387,7 @@ PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, OverrideList
     ImGui::SetNextWindowBgAlpha(0.85f);
     ImGui::Begin("Gnomon", &shown);
     if (scene) player(playback, *scene);
+    if (scene) clips(settings, *scene, load.loads, events);
     if (ImGui::Button("Screenshot")) events.screenshot = true;
     ImGui::SameLine();
     if (ImGui::Button(recording ? "Stop recording" : "Record")) events.record = true;

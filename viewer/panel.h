@@ -71,12 +71,17 @@ class Panel {
     void options(ViewSettings& settings, PanelEvents& events);
     void option(ViewSettings& settings, const options::Option& option, PanelEvents& events);
     void player(Playback& playback, const Scene& scene) const;
+    // The clips of a file that has several.
+    void clips(ViewSettings& settings, const Scene& scene, std::uint64_t loads, PanelEvents& events);
     void counters(const ViewImage& image) const;
     void object(OverrideList& overrides, const ViewImage& image);
     void keys();
     static void legend(const std::string& overlay);
 
     TimeGraph graph_;
+    const Scene* listed_ = nullptr;    // the scene of which clips_ are,
+    std::uint64_t listed_loads_ = 0;   // and how many were loaded until then
+    std::vector<AnimationInfo> clips_;
     std::vector<std::pair<std::string, std::string>> typed_;   // option and its text while it is edited
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "api/scene_access.h"
@@ -38,6 +39,9 @@ Scene load(const std::string& what, const LoadOptions& options)
         throw UsageError(fmt::format("no animation '{}': the scene has none", shown_name(options.animation)));
     if (loaded.variants.empty() && !options.variant.empty())
         throw UsageError(fmt::format("no variant '{}': the scene has none", shown_name(options.variant)));
+    if (std::ranges::all_of(loaded.objects,
+                            [&](const scene::Object& object) { return loaded.meshes[object.mesh].triangles.empty(); }))
+        loaded.warnings.emplace_back("no surface in the scene: its images show the background alone");
     scene::add_emitter_lights(loaded);
     // Built-in scenes and AFF files are complete: what they leave dark is meant so.
     if (is_builtin || loaded.timeline.own_frames) {

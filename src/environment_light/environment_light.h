@@ -49,6 +49,8 @@ class EnvironmentLight {
     /// another image follows, it stays; what points did not ask for in the frame after it is void.
     std::uint32_t version() const { return version_; }
     std::uint32_t suns_version() const { return suns_version_; }
+    /// Whether there are visible dynamic objects, which may hide anything in any frame.
+    bool anything_moves() const { return surroundings_ && !surroundings_->dynamic_boxes().empty(); }
     const std::vector<std::unique_ptr<Sun>>& suns() const { return suns_; }
     const EnvironmentOptions& options() const { return options_; }
     /// The share of a sun's light that a surface with this normal gets from its visible directions.

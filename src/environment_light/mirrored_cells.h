@@ -7,6 +7,7 @@
 //
 // Cost: a table that is made when first asked for (some 5 ms); per point some 200 ns, and 5 ns for each such cell.
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -28,7 +29,8 @@ class MirroredCells {
     std::size_t leaf_near(const glm::vec3& direction) const;
 
     const DirectionCells& cells_;
-    std::vector<std::uint16_t> leaf_of_;   // by entry of a table over directions
+    std::array<std::vector<float>, 3> mean_;   // by axis, padded to whole words
+    std::vector<std::uint16_t> leaf_of_;       // by entry of a table over directions
 };
 
 }   // namespace gnomon::environment_light

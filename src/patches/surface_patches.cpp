@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <unordered_map>
 
 #include "base/check.h"
 #include "base/interruption.h"
@@ -24,7 +25,7 @@ constexpr double k_fewer = 0.7;                   // patches aimed at, until the
 constexpr float k_most_albedo = 0.98f;
 constexpr std::size_t k_tries = 12;   // places that a point of a crossed part is tested against
 constexpr float k_shrink = 0.98f;     // corners of a part, towards its middle
-constexpr std::size_t k_cells_at_once = 64, k_triangles_at_once = 4096, k_patches_at_once = 256;
+constexpr std::size_t k_cells_at_once = 64, k_units_at_once = 4096, k_patches_at_once = 256;
 
 }   // namespace
 
@@ -32,7 +33,7 @@ struct SurfacePatches::Part {
     glm::vec3 middle{0}, normal{0};
     float area = 0, radius = 0, lift = 0;
     float width = 0;   // of the cube that it lies in
-    std::uint32_t triangle = 0;
+    std::uint32_t unit = 0;
 };
 
 // One side of a part, in its cell.
@@ -70,7 +71,7 @@ SurfacePatches::SurfacePatches(const scene::SceneState& state, const ray::RaySce
     : options_(options)
 {
     GNOMON_CHECK(options.most < k_crossed);
-    number_triangles(state, rays);
+    number_units(state, rays);
     double area = 0;
     for (const float a : area_) area += static_cast<double>(a);
     if (!(area > 0) || !std::isfinite(area)) return;
@@ -85,11 +86,10 @@ SurfacePatches::SurfacePatches(const scene::SceneState& state, const ray::RaySce
         for (const Part& part : parts)
             samples.push_back({part.middle, part.area, static_cast<std::int8_t>(facing_of(part.normal))});
         const DetailCells cubes(samples, static_cast<std::size_t>(cells));
-        std::vector<float> width(area_.size(), k_infinity);   // by triangle: the least of its cubes
-        for (const Part& part : parts)
-            width[part.triangle] = std::min(width[part.triangle], cubes.cube_at(part.middle).width);
+        std::vector<float> width(area_.size(), k_infinity);   // by unit: the least of its cubes
+        for (const Part& part : parts) width[part.unit] = std::min(width[part.unit], cubes.cube_at(part.middle).width);
         divide(
-            rays, [&](std::uint32_t t) { return width[t]; }, tasks, parts);
+            rays, [&](std::uint32_t unit) { return width[unit]; }, tasks, parts);
         sort_sides(cubes, tasks, parts, sides);
         std::size_t count = 0;
         for (std::size_t s = 0; s < sides.size(); ++s) count += s == 0 || sides[s].cell != sides[s - 1].cell;
@@ -136,45 +136,102 @@ SurfacePatches::SurfacePatches(const scene::SceneState& state, const ray::RaySce
     });
 }
 
-// Numbers the triangles of static objects that block light, and measures them.
-void SurfacePatches::number_triangles(const scene::SceneState& state, const ray::RayScene& rays)
+// Numbers the units of static objects that block light, and measures them.
+void SurfacePatches::number_units(const scene::SceneState& state, const ray::RayScene& rays)
 {
     const scene::Scene& scene = state.scene();
     place_of_object_.assign(scene.objects.size(), scene::none);
-    first_triangle_.push_back(0);
+    std::size_t triangles = 0;
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
         if (scene.objects[o].removed || state.is_dynamic(o) || !state.object_there(o)) continue;
         const scene::Mesh& mesh = scene.meshes[scene.objects[o].mesh];
-        const ray::ObjectGeometry& geometry = rays.geometry(o);
-        if (!geometry.mesh || mesh.triangles.empty()) continue;
-        const std::size_t first = area_.size();
-        area_.resize(first + mesh.triangles.size(), 0.0f);
-        for (const scene::MeshPart& part : mesh.parts) {
-            if (scene.materials[part.material].surface_class() == scene::SurfaceClass::transparent) continue;
-            for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t) {
-                glm::vec3 p[3];
-                geometry.corners(t, p);
-                const float area = 0.5f * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
-                if (std::isfinite(area)) area_[first + t] = area;
-            }
-        }
+        if (!rays.geometry(o).mesh || mesh.triangles.empty()) continue;
         place_of_object_[o] = static_cast<std::uint32_t>(objects_.size());
         objects_.push_back(o);
-        first_triangle_.push_back(static_cast<std::uint32_t>(area_.size()));
+        triangles += mesh.triangles.size();
+    }
+    if (triangles > options_.ungrouped) group_meshes(state, rays);
+    first_unit_.push_back(0);
+    for (scene::ObjectId index = 0; index < objects_.size(); ++index) {
+        const ray::ObjectGeometry& geometry = rays.geometry(objects_[index]);
+        const scene::Mesh& mesh = *geometry.mesh;
+        const auto area_of = [&](std::uint32_t t) {
+            glm::vec3 p[3];
+            geometry.corners(t, p);
+            return 0.5f * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
+        };
+        const std::size_t first = area_.size();
+        if (const TriangleGroups* groups = groups_of(index)) {
+            for (const TriangleGroups::Group& group : groups->groups) {
+                const float area = group.area * area_of(group.triangle);
+                area_.push_back(std::isfinite(area) ? area : 0);
+            }
+        } else {
+            area_.resize(first + mesh.triangles.size(), 0.0f);
+            for (const scene::MeshPart& part : mesh.parts) {
+                if (scene.materials[part.material].surface_class() == scene::SurfaceClass::transparent) continue;
+                for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t)
+                    if (const float area = area_of(t); std::isfinite(area)) area_[first + t] = area;
+            }
+        }
+        first_unit_.push_back(static_cast<std::uint32_t>(area_.size()));
     }
 }
 
-scene::ObjectId SurfacePatches::object_of(std::uint32_t triangle) const
+// Groups the triangles of each mesh, by the size of its largest instance.
+void SurfacePatches::group_meshes(const scene::SceneState& state, const ray::RayScene& rays)
 {
-    const auto after = std::upper_bound(first_triangle_.begin(), first_triangle_.end(), triangle);
-    return static_cast<scene::ObjectId>(after - first_triangle_.begin() - 1);
+    struct Use {
+        const glm::vec3* positions = nullptr;
+        scene::ObjectId object = 0;
+        double area = 0;    // in the space of the mesh
+        double scale = 0;   // of areas, by the largest instance
+        std::uint32_t groups = 0;
+    };
+    std::vector<Use> uses;   // by first object
+    std::unordered_map<const glm::vec3*, std::size_t> use_of;
+    double area = 0;
+    std::size_t triangles = 0;
+    for (const scene::ObjectId o : objects_) {
+        const ray::ObjectGeometry& geometry = rays.geometry(o);
+        const auto [at, is_new] = use_of.try_emplace(geometry.positions, uses.size());
+        if (is_new) {
+            Use& use = uses.emplace_back(Use{geometry.positions, o, 0, 0, 0});
+            for (const glm::uvec3& t : geometry.mesh->triangles) {
+                const glm::vec3 a = geometry.positions[t.x];
+                const float own =
+                    0.5f * glm::length(glm::cross(geometry.positions[t.y] - a, geometry.positions[t.z] - a));
+                if (std::isfinite(own)) use.area += static_cast<double>(own);
+            }
+        }
+        Use& use = uses[at->second];
+        const double scale =
+            geometry.to_world ? std::pow(std::abs(glm::determinant(glm::dmat3(*geometry.to_world))), 2.0 / 3) : 1;
+        use.scale = std::max(use.scale, scale);
+        area += scale * use.area;
+        triangles += geometry.mesh->triangles.size();
+        groups_of_.push_back(static_cast<std::uint32_t>(at->second));
+    }
+    const double most = options_.group_area * area / static_cast<double>(options_.patches);
+    GroupOptions options;
+    options.triangles = static_cast<std::uint32_t>((triangles + options_.grouped - 1) / options_.grouped);
+    for (const Use& use : uses) {
+        options.area = use.scale > 0 ? static_cast<float>(most / use.scale) : 0;
+        groups_.push_back(group_triangles(state.scene(), rays.geometry(use.object), options));
+    }
+}
+
+scene::ObjectId SurfacePatches::object_of(std::uint32_t unit) const
+{
+    const auto after = std::upper_bound(first_unit_.begin(), first_unit_.end(), unit);
+    return static_cast<scene::ObjectId>(after - first_unit_.begin() - 1);
 }
 
 // The barycentric coordinates of a part's middle.
-glm::vec2 SurfacePatches::middle_of(std::uint32_t part, std::uint32_t triangle) const
+glm::vec2 SurfacePatches::middle_of(std::uint32_t part, std::uint32_t unit) const
 {
     glm::dvec2 corner[3];
-    corners_of(micro_at(part - first_part_[triangle], level_[triangle]), level_[triangle], corner);
+    corners_of(micro_at(part - first_part_[unit], level_[unit]), level_[unit], corner);
     return glm::vec2((corner[0] + corner[1] + corner[2]) / 3.0);
 }
 
@@ -193,52 +250,61 @@ std::uint8_t SurfacePatches::level_of(float area, float edge, float width) const
     return level;
 }
 
-// Divides the triangles into parts, by how wide patches are there.
+// Divides the units into parts, by how wide patches are there.
 void SurfacePatches::divide(const ray::RayScene& rays, const std::function<float(std::uint32_t)>& width, Tasks& tasks,
                             std::vector<Part>& parts)
 {
     first_part_.assign(1, 0);
     level_.assign(area_.size(), 0);
-    const auto longest_edge = [&](std::uint32_t triangle) {
-        const scene::ObjectId index = object_of(triangle);
-        glm::vec3 p[3];
-        rays.geometry(objects_[index]).corners(triangle - first_triangle_[index], p);
-        return std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
-    };
-    // Choose levels; coarser ones, if there were too many parts.
+    // Choose levels; coarser ones, if there were too many parts. Groups are not divided, unless they are one triangle.
     for (float scale = 1;; scale *= 1.5f) {
         std::uint64_t count = 0;
-        bool whole = true;   // no triangle is divided
-        for (std::uint32_t t = 0; t < area_.size(); ++t) {
-            level_[t] = level_of(area_[t], longest_edge(t), scale * width(t));
-            whole = whole && level_[t] == 0;
-            count += area_[t] > 0 ? std::uint64_t{1} << (2 * level_[t]) : 0;
+        bool whole = true;   // no unit is divided
+        for (scene::ObjectId index = 0; index < objects_.size(); ++index) {
+            const ray::ObjectGeometry& geometry = rays.geometry(objects_[index]);
+            const TriangleGroups* groups = groups_of(index);
+            for (std::uint32_t unit = first_unit_[index]; unit < first_unit_[index + 1]; ++unit) {
+                const bool divides = !groups || groups->groups[unit - first_unit_[index]].area <= 1;
+                glm::vec3 p[3];
+                geometry.corners(triangle_of(index, unit), p);
+                const float edge =
+                    std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
+                if (divides) level_[unit] = level_of(area_[unit], edge, scale * width(unit));
+                whole = whole && level_[unit] == 0;
+                count += area_[unit] > 0 ? std::uint64_t{1} << (2 * level_[unit]) : 0;
+            }
         }
         if (count <= k_most_parts || whole) break;
     }
-    for (std::uint32_t t = 0; t < area_.size(); ++t)
-        first_part_.push_back(first_part_.back() + (area_[t] > 0 ? 1u << (2 * level_[t]) : 0));
+    for (std::uint32_t unit = 0; unit < area_.size(); ++unit)
+        first_part_.push_back(first_part_.back() + (area_[unit] > 0 ? 1u << (2 * level_[unit]) : 0));
     parts.assign(first_part_.back(), {});
-    const std::size_t runs = (area_.size() + k_triangles_at_once - 1) / k_triangles_at_once;
+    const std::size_t runs = (area_.size() + k_units_at_once - 1) / k_units_at_once;
     tasks.for_each(runs, [&](std::size_t run, int) {
         interruption_point();
-        const std::size_t last = std::min((run + 1) * k_triangles_at_once, area_.size());
-        for (std::size_t t = run * k_triangles_at_once; t < last; ++t) {
-            if (first_part_[t] == first_part_[t + 1]) continue;
-            const auto triangle = static_cast<std::uint32_t>(t);
-            const scene::ObjectId index = object_of(triangle);
+        const std::size_t last = std::min((run + 1) * k_units_at_once, area_.size());
+        for (std::size_t u = run * k_units_at_once; u < last; ++u) {
+            if (first_part_[u] == first_part_[u + 1]) continue;
+            const auto unit = static_cast<std::uint32_t>(u);
+            const scene::ObjectId index = object_of(unit);
             glm::vec3 p[3];
-            rays.geometry(objects_[index]).corners(triangle - first_triangle_[index], p);
+            rays.geometry(objects_[index]).corners(triangle_of(index, unit), p);
             Part part;
             part.normal = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
             part.lift = ray::origin_lift(p);
-            part.area = area_[t] / static_cast<float>(1u << (2 * level_[t]));
-            part.triangle = triangle;
-            const float scale = 1 / static_cast<float>(1u << level_[t]);
+            part.area = area_[u] / static_cast<float>(1u << (2 * level_[u]));
+            part.unit = unit;
+            const float scale = 1 / static_cast<float>(1u << level_[u]);
             const glm::vec3 centre = (p[0] + p[1] + p[2]) / 3.0f;
             for (const glm::vec3& corner : p) part.radius = std::max(part.radius, scale * glm::length(corner - centre));
-            for (std::uint32_t i = first_part_[t]; i < first_part_[t + 1]; ++i) {
-                const glm::vec2 at = middle_of(i, triangle);
+            if (const TriangleGroups* groups = groups_of(index)) {
+                const TriangleGroups::Group& group = groups->groups[unit - first_unit_[index]];
+                const float edge =
+                    std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
+                if (group.area > 1) part.radius = std::max(part.radius, group.radius * edge);
+            }
+            for (std::uint32_t i = first_part_[u]; i < first_part_[u + 1]; ++i) {
+                const glm::vec2 at = middle_of(i, unit);
                 part.middle = (1 - at.x - at.y) * p[0] + at.x * p[1] + at.y * p[2];
                 parts[i] = part;
             }
@@ -251,10 +317,10 @@ void SurfacePatches::sort_sides(const DetailCells& cubes, Tasks& tasks, std::vec
                                 std::vector<Side>& sides)
 {
     sides.assign(2 * parts.size(), {});
-    const std::size_t runs = (parts.size() + k_triangles_at_once - 1) / k_triangles_at_once;
+    const std::size_t runs = (parts.size() + k_units_at_once - 1) / k_units_at_once;
     tasks.for_each(runs, [&](std::size_t run, int) {
-        const std::size_t last = std::min((run + 1) * k_triangles_at_once, parts.size());
-        for (std::size_t i = run * k_triangles_at_once; i < last; ++i) {
+        const std::size_t last = std::min((run + 1) * k_units_at_once, parts.size());
+        for (std::size_t i = run * k_units_at_once; i < last; ++i) {
             const DetailCells::Cube cube = cubes.cube_at(parts[i].middle);
             parts[i].width = cube.width;
             const auto facing = static_cast<std::uint64_t>(facing_of(parts[i].normal));
@@ -403,12 +469,12 @@ void SurfacePatches::mark_crossed(const ray::RayScene& rays, std::span<const Par
     for (const Side& side : sides) {
         const Part& part = parts[side.part()];
         if (part.area < options_.crossed_area * part.width * part.width) continue;
-        const scene::ObjectId index = object_of(part.triangle);
+        const scene::ObjectId index = object_of(part.unit);
         glm::vec3 p[3];
-        rays.geometry(objects_[index]).corners(part.triangle - first_triangle_[index], p);
+        rays.geometry(objects_[index]).corners(triangle_of(index, part.unit), p);
         glm::dvec2 corner[3];
-        const std::uint32_t level = level_[part.triangle];
-        corners_of(micro_at(side.part() - first_part_[part.triangle], level), level, corner);
+        const std::uint32_t level = level_[part.unit];
+        corners_of(micro_at(side.part() - first_part_[part.unit], level), level, corner);
         const glm::vec3 from =
             part.middle + std::max(part.lift, options_.crossed_lift * part.width) * side.normal(part);
         for (const glm::dvec2& c : corner) {
@@ -428,9 +494,13 @@ PatchId SurfacePatches::patch_at(const ray::RayScene& rays, scene::ObjectId obje
 {
     if (object >= place_of_object_.size() || place_of_object_[object] == scene::none || patches_.empty())
         return k_no_patch;
-    const std::uint32_t t = first_triangle_[place_of_object_[object]] + triangle;
-    if (first_part_[t] == first_part_[t + 1]) return k_no_patch;
-    const std::uint32_t part = first_part_[t] + micro_index_at(u, v, level_[t]);
+    const scene::ObjectId index = place_of_object_[object];
+    const TriangleGroups* groups = groups_of(index);
+    const std::uint32_t own = groups ? groups->group_of[triangle] : triangle;
+    if (own == scene::none) return k_no_patch;
+    const std::uint32_t unit = first_unit_[index] + own;
+    if (first_part_[unit] == first_part_[unit + 1]) return k_no_patch;
+    const std::uint32_t part = first_part_[unit] + micro_index_at(u, v, level_[unit]);
     const std::uint16_t code = patch_[2 * part + (front ? 0 : 1)];
     if (code == k_no_code) return k_no_patch;
     if (!(code & k_crossed)) return code;
@@ -467,11 +537,11 @@ std::vector<glm::vec3> SurfacePatches::albedo(const scene::Scene& scene, const r
             float area = 0;
             for (const PatchPlace& place : places(patches_[p])) {
                 const auto after = std::upper_bound(first_part_.begin(), first_part_.end(), place.part);
-                const auto triangle = static_cast<std::uint32_t>(after - first_part_.begin() - 1);
-                const scene::ObjectId index = object_of(triangle);
-                const glm::vec2 at = middle_of(place.part, triangle);
-                sum += place.area * lighting::albedo(scene, rays.geometry(objects_[index]),
-                                                     triangle - first_triangle_[index], at.x, at.y);
+                const auto unit = static_cast<std::uint32_t>(after - first_part_.begin() - 1);
+                const scene::ObjectId index = object_of(unit);
+                const glm::vec2 at = middle_of(place.part, unit);
+                sum += place.area *
+                       lighting::albedo(scene, rays.geometry(objects_[index]), triangle_of(index, unit), at.x, at.y);
                 area += place.area;
             }
             result[p] = glm::clamp(sum / area, glm::vec3(0), glm::vec3(k_most_albedo));
@@ -482,7 +552,10 @@ std::vector<glm::vec3> SurfacePatches::albedo(const scene::Scene& scene, const r
 
 std::size_t SurfacePatches::bytes() const
 {
-    return first_part_.size() * (sizeof(std::uint32_t) + 1) + patch_.size() * sizeof(std::uint16_t) +
+    std::size_t bytes = 0;
+    for (const TriangleGroups& groups : groups_)
+        bytes += groups.groups.size() * sizeof(TriangleGroups::Group) + groups.group_of.size() * sizeof(std::uint32_t);
+    return bytes + first_part_.size() * (sizeof(std::uint32_t) + 1) + patch_.size() * sizeof(std::uint16_t) +
            patches_.size() * sizeof(Patch) + places_.size() * sizeof(PatchPlace) +
            place_of_object_.size() * sizeof(std::uint32_t);
 }

@@ -10,8 +10,11 @@
 //
 // Patches depend on the static scene alone: neither on the lights, nor on the view or the time.
 //
+// In scenes of very many triangles, groups of small ones take the place of triangles (triangle_groups.h): here, both
+// are units.
+//
 // Cost: a sort of all parts; up to three rays for each part, and a few more for each place. Memory: nine bytes for each
-// triangle, four for each part, 36 for each place.
+// unit, four for each part, 36 for each place.
 
 #include <functional>
 #include <span>
@@ -19,6 +22,7 @@
 
 #include "base/tasks.h"
 #include "patches/detail_cells.h"
+#include "patches/triangle_groups.h"
 #include "ray/ray_scene.h"
 
 namespace gnomon::patches {
@@ -35,6 +39,10 @@ struct PatchOptions {
     float lift = 0.1f;             // height at which places of a cell see each other, in widths of a cube
     float crossed_lift = 0.001f;   // the same for the places of a part
     float crossed_area = 0.003f;   // parts below this area, in squares of that width, are not tested for crossings
+    // Of scenes with more triangles than `ungrouped`, `grouped` groups are aimed at, each of at most a fraction of the
+    // mean area of a patch.
+    std::size_t ungrouped = std::size_t{1} << 20, grouped = std::size_t{1} << 18;
+    double group_area = 1.0 / 64;
 };
 
 /// A point of a patch that represents some of its surface.
@@ -82,7 +90,8 @@ class SurfacePatches {
     struct Part;
     struct Side;
     struct Made;
-    void number_triangles(const scene::SceneState& state, const ray::RayScene& rays);
+    void number_units(const scene::SceneState& state, const ray::RayScene& rays);
+    void group_meshes(const scene::SceneState& state, const ray::RayScene& rays);
     std::uint8_t level_of(float area, float edge, float width) const;
     void divide(const ray::RayScene& rays, const std::function<float(std::uint32_t)>& width, Tasks& tasks,
                 std::vector<Part>& parts);
@@ -94,16 +103,30 @@ class SurfacePatches {
     void make_cell(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
                    Made& made) const;
     void mark_crossed(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides);
-    scene::ObjectId object_of(std::uint32_t triangle) const;
-    glm::vec2 middle_of(std::uint32_t part, std::uint32_t triangle) const;
+    // The index of an object among those with surfaces.
+    scene::ObjectId object_of(std::uint32_t unit) const;
+    const TriangleGroups* groups_of(scene::ObjectId index) const
+    {
+        return groups_of_.empty() ? nullptr : &groups_[groups_of_[index]];
+    }
+    // The triangle of a unit, or the one that represents it.
+    std::uint32_t triangle_of(scene::ObjectId index, std::uint32_t unit) const
+    {
+        const std::uint32_t own = unit - first_unit_[index];
+        const TriangleGroups* groups = groups_of(index);
+        return groups ? groups->groups[own].triangle : own;
+    }
+    glm::vec2 middle_of(std::uint32_t part, std::uint32_t unit) const;
 
     PatchOptions options_;
     std::vector<scene::ObjectId> objects_;         // static ones with surfaces, ascending
-    std::vector<std::uint32_t> first_triangle_;    // by these, and one more at the end
+    std::vector<std::uint32_t> groups_of_;         // by these: index in groups_; empty: triangles are not grouped
+    std::vector<TriangleGroups> groups_;           // by mesh
+    std::vector<std::uint32_t> first_unit_;        // by object with surfaces, and one more at the end
     std::vector<std::uint32_t> place_of_object_;   // by object of the scene: its index among these, or none
-    std::vector<std::uint32_t> first_part_;        // by triangle, and one more
-    std::vector<std::uint8_t> level_;              // by triangle
-    std::vector<float> area_;                      // by triangle; only while patches are made
+    std::vector<std::uint32_t> first_part_;        // by unit, and one more
+    std::vector<std::uint8_t> level_;              // by unit
+    std::vector<float> area_;                      // by unit; only while patches are made
     std::vector<std::uint16_t> patch_;             // by part and side; k_no_code: none; k_crossed may be set
     std::vector<Patch> patches_;
     std::vector<PatchPlace> places_;

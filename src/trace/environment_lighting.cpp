@@ -73,12 +73,18 @@ void EnvironmentTechnique::begin_frame(const FrameContext& frame, std::size_t ti
             if (set == 0 ? version_ != light_.version() : suns_version_ != light_.suns_version()) of_tile[set].forget();
             of_tile[set].begin_frame();
         }
+    // What moves hides cells from shared places.
+    const std::shared_ptr<const scene::Environment> image =
+        light_.empty() ? nullptr : frame.state.scene().background.environment;
+    if (image != image_ || version_ != light_.version() || light_.anything_moves()) shared_places_.forget();
+    shared_places_.begin_frame();
+    image_ = image;
     version_ = light_.version(), suns_version_ = light_.suns_version();
 }
 
 std::size_t EnvironmentTechnique::bytes() const
 {
-    std::size_t bytes = light_.bytes();
+    std::size_t bytes = light_.bytes() + shared_places_.bytes();
     for (const auto& of_tile : memories_)
         for (const environment_light::PointMemory& memory : of_tile) bytes += memory.bytes();
     return bytes;
@@ -179,10 +185,54 @@ void EnvironmentLighting::find_seen(const PointBatch& batch, std::size_t tile)
         guides_[k].coarse = guides_[k].pass == 0 && !guides_[k].guides &&
                             std::max({throughput.x, throughput.y, throughput.z}) <= k_coarse_throughput;
     }
-    guides_.resize(places_.places().size(), {.coarse = true});   // shared places have none
-    asked_places_.resize(places_.places().size());
+    asked_places_.resize(places_.own());
     std::iota(asked_places_.begin(), asked_places_.end(), 0u);
     light.visibility().find(scratch_, places_.places(), asked_places_, guides_, &technique_.memory(tile), seen_);
+    find_shared();
+}
+
+// Finds what shared places see: coarsely, and each place once for all tiles.
+void EnvironmentLighting::find_shared()
+{
+    const environment_light::EnvironmentLight& light = technique_.light();
+    PlaceMemory& memory = technique_.shared_places();
+    const std::span<const visibility::ShadowPoint> places = places_.places().subspan(places_.own());
+    shared_.assign(places.size(), nullptr);
+    claimed_.clear();
+    const auto evaluate = [&] {
+        guides_.assign(claimed_.size(), {.coarse = true});
+        light.visibility().find(scratch_, places, claimed_, guides_, nullptr, shared_seen_);
+    };
+    const auto publish = [&](PlaceMemory::Place& place, std::size_t k) {
+        memory.publish(place, shared_seen_.of(k),
+                       light.light().irradiance(places[claimed_[k]].normal, shared_seen_.of(k), {}));
+    };
+    try {
+        claimed_.reserve(places.size());
+        for (std::uint32_t k = 0; k < places.size(); ++k) {
+            bool is_own = false;
+            shared_[k] = &memory.find(places_.shared_keys()[k], is_own);
+            if (is_own) claimed_.push_back(k);
+        }
+        if (!claimed_.empty()) evaluate();
+        for (std::size_t k = 0; k < claimed_.size(); ++k) publish(*shared_[claimed_[k]], k);
+    } catch (...) {
+        for (const std::uint32_t k : claimed_) memory.abandon(*shared_[k]);
+        throw;
+    }
+
+    // Wait for those of other threads; evaluate what these abandoned.
+    claimed_.clear();
+    for (std::uint32_t k = 0; k < places.size(); ++k)
+        if (!PlaceMemory::wait(*shared_[k])) claimed_.push_back(k);
+    if (claimed_.empty()) return;
+    interruption_point();
+    evaluate();
+    abandoned_.resize(claimed_.size());
+    for (std::size_t k = 0; k < claimed_.size(); ++k) {
+        shared_[claimed_[k]] = &abandoned_[k];
+        publish(abandoned_[k], k);
+    }
 }
 
 // Whether the places around an asked point are alike.
@@ -254,6 +304,7 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
         const shading::SurfacePoint& s = point.surface;
         std::span<const std::uint64_t> seen;
         std::span<const environment_light::PartialCell> partial;
+        const PlaceMemory::Place* shared = nullptr;
         const PlaceLattice::Around* between = apart_at_[k] == k_between ? &lattice_.around()[k] : nullptr;
         const float highlight = highlight_share(s);
         const glm::vec3 albedo = highlight > 0 ? shading::glossy_albedo(s) : glm::vec3(0);
@@ -265,9 +316,13 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
             seen = between_mask_, partial = between_partial_;
         } else if (!between) {
             const std::uint32_t place = places_.place_of(apart_at_[k]);
-            seen = seen_.of(place), partial = seen_.partial_of(place);
+            if (place < places_.own())
+                seen = seen_.of(place), partial = seen_.partial_of(place);
+            else
+                shared = shared_[place - places_.own()], seen = shared->seen();
         }
-        if (!plane && s.smooth_normal != s.geometric_normal) {
+        const bool seen_smoothly = !plane && s.smooth_normal != s.geometric_normal;
+        if (seen_smoothly) {
             // Others may share the place.
             smooth_seen_.assign(seen.begin(), seen.end());
             light.mirrored().add(s.geometric_normal, s.smooth_normal, smooth_seen_);
@@ -275,8 +330,10 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
         }
         glm::vec3 radiance(0);
         if (s.diffuse != glm::vec3(0)) {
-            const glm::vec3 irradiance =
-                plane ? interpolated(lattice_irradiance_, *between) : light.light().irradiance(s.normal, seen, partial);
+            const glm::vec3 irradiance = plane ? interpolated(lattice_irradiance_, *between)
+                                         : shared && s.normal == s.geometric_normal && !seen_smoothly
+                                             ? shared->irradiance()
+                                             : light.light().irradiance(s.normal, seen, partial);
             if (highlight < 1)
                 radiance += (1 - highlight) * shading::reflect_irradiance(s, point.next, glm::vec3(0), irradiance);
             // What the lobe does not reflect reaches the diffuse layer.
@@ -292,10 +349,11 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
                                                         .roughness = s.roughness},
                                                        seen, partial);
         if (passing_.any() && radiance != glm::vec3(0))
-            radiance *= between ? interpolated(lattice_passes_, *between)
-                                : passing_.from_cells(
-                                      s.normal, batch.shadow_points[asked_[k]].origin, light.visibility().cells(), seen,
-                                      batch.primary ? PassingLight::k_rays : PassingLight::k_rays_in_mirrors);
+            radiance *=
+                between ? interpolated(lattice_passes_, *between)
+                        : passing_.from_cells(
+                              s.normal, batch.shadow_points[asked_[k]].origin, light.visibility().cells(), seen,
+                              batch.primary || point.straight ? PassingLight::k_rays : PassingLight::k_rays_in_mirrors);
         reflected_[asked_[k]] = luminance(radiance);
         add(point, radiance);
     }

@@ -33,6 +33,7 @@ class EnvironmentTechnique {
     /// continues it.
     void begin_frame(const FrameContext& frame, std::size_t tiles);
     bool empty() const { return light_.empty(); }
+    PlaceMemory& shared_places() { return shared_places_; }
     const environment_light::EnvironmentLight& light() const { return light_; }
     /// @param sun  in EnvironmentLight::suns(); -1: of the image
     environment_light::PointMemory& memory(std::size_t tile, int sun = -1)
@@ -52,6 +53,8 @@ class EnvironmentTechnique {
  private:
     environment_light::EnvironmentLight light_;
     std::vector<std::vector<environment_light::PointMemory>> memories_;   // by tile: of the image, of each sun
+    PlaceMemory shared_places_;
+    std::shared_ptr<const scene::Environment> image_;   // of which shared places know what they see
     std::uint32_t version_ = 0, suns_version_ = 0;
     bool every_ray_ = false;
     environment_light::VisibilityCounters counters_;
@@ -83,6 +86,7 @@ class EnvironmentLighting {
  private:
     void find_guides(const PointBatch& batch, std::span<const std::uint32_t> points);
     void find_seen(const PointBatch& batch, std::size_t tile);
+    void find_shared();
     bool is_between(std::size_t k) const;
     void see_between(const PlaceLattice::Around& around);
     glm::vec3 reflect_sun(const environment_light::Sun& sun, const shading::SurfacePoint& surface,
@@ -96,6 +100,10 @@ class EnvironmentLighting {
     environment_light::SeenCells lattice_seen_;
     std::vector<glm::vec3> lattice_irradiance_, lattice_passes_;   // by place; empty: nothing thins light
     SharedPlaces places_;
+    std::vector<PlaceMemory::Place*> shared_;    // by shared place
+    std::vector<std::uint32_t> claimed_;         // indices of shared places
+    std::deque<PlaceMemory::Place> abandoned_;   // stand in for places that another thread abandoned
+    environment_light::SeenCells shared_seen_;
     environment_light::CellVisibility::Scratch scratch_;
     environment_light::SeenCells seen_;
     std::vector<float> reflected_;

@@ -30,17 +30,32 @@ glm::vec3 PassingLight::from_cells(const glm::vec3& normal, const glm::vec3& ori
                                    std::size_t most)
 {
     if (!any_) return glm::vec3(1);
-    queue_.clear(), weight_.clear(), leaves_.clear();
-    for (std::size_t w = 0; w < seen.size(); ++w)
-        for (std::uint64_t word = seen[w]; word != 0; word &= word - 1) {
-            const std::size_t leaf = 64 * w + static_cast<std::size_t>(std::countr_zero(word));
-            if (glm::dot(cells.direction(leaf), normal) > 0) leaves_.push_back(static_cast<std::uint32_t>(leaf));
-        }
-    const std::size_t step = std::max<std::size_t>(1, (leaves_.size() + most - 1) / most);
-    for (std::size_t i = step / 2; i < leaves_.size(); i += step) {
-        const glm::vec3 direction = cells.direction(leaves_[i]);
-        queue_.push(origin, 0, direction, k_infinity);
-        weight_.push_back(luminance(cells.flux(leaves_[i])) * glm::dot(direction, normal));
+    queue_.clear(), weight_.clear();
+    const auto push = [&](std::size_t leaf, float weight) {
+        queue_.push(origin, 0, cells.direction(leaf), k_infinity);
+        weight_.push_back(weight);
+    };
+    const auto cosine_of = [&](std::size_t leaf) { return glm::dot(cells.direction(leaf), normal); };
+    if (!cells.families().empty() && most == k_rays) {
+        // Let the same few cells stand in for the others at each point, so that neighbouring points agree.
+        by_stand_in_.assign(cells.leaves(), 0);
+        for (std::size_t w = 0; w < seen.size(); ++w)
+            for (std::uint64_t word = seen[w]; word != 0; word &= word - 1) {
+                const std::size_t leaf = 64 * w + static_cast<std::size_t>(std::countr_zero(word));
+                const float cosine = cosine_of(leaf);
+                if (!(cosine > 0)) continue;
+                const std::size_t stand_in = cells.stand_in_of(leaf);
+                by_stand_in_[cosine_of(stand_in) > 0 ? stand_in : leaf] += luminance(cells.flux(leaf)) * cosine;
+            }
+        for (std::size_t leaf = 0; leaf < by_stand_in_.size(); ++leaf)
+            if (by_stand_in_[leaf] > 0) push(leaf, by_stand_in_[leaf]);
+        return mean();
+    }
+    // Ask every so many of the cells; half of them lie above the surface.
+    const std::size_t step = std::max<std::size_t>(1, cells.leaves() / (2 * most));
+    for (std::size_t leaf = step / 2; leaf < cells.leaves(); leaf += step) {
+        if ((seen[leaf / 64] >> (leaf % 64) & 1) == 0) continue;
+        if (const float cosine = cosine_of(leaf); cosine > 0) push(leaf, luminance(cells.flux(leaf)) * cosine);
     }
     return mean();
 }

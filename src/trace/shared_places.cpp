@@ -24,7 +24,7 @@ constexpr std::uint32_t k_nowhere = 0xffffffff;
 bool SharedPlaces::divide(const TilePoint& point, const visibility::ShadowPoint& at, Divided& part,
                           glm::vec3 (&p)[3]) const
 {
-    if (!(point.lobe.rays > 1) || at.object == scene::none) return false;
+    if (!(point.lobe.rays > 1 || point.parts > 1) || at.object == scene::none) return false;
     const float width = k_part_per_cone * point.surface.cone.width;
     if (!(width > 0)) return false;
     rays_.geometry(at.object).corners(at.triangle, p);
@@ -41,7 +41,7 @@ bool SharedPlaces::divide(const TilePoint& point, const visibility::ShadowPoint&
 }
 
 // Finds the middle of a part, or adds it.
-std::uint32_t SharedPlaces::place(const Key& key, const visibility::ShadowPoint& at, const Divided& part,
+std::uint32_t SharedPlaces::place(const PlaceKey& key, const visibility::ShadowPoint& at, const Divided& part,
                                   const glm::vec3 (&p)[3])
 {
     const std::size_t mask = table_.size() - 1;
@@ -49,6 +49,7 @@ std::uint32_t SharedPlaces::place(const Key& key, const visibility::ShadowPoint&
     for (; table_[slot].place != k_nowhere; slot = (slot + 1) & mask)
         if (table_[slot].key == key) return table_[slot].place;
     table_[slot] = {key, static_cast<std::uint32_t>(places_.size())};
+    shared_keys_.push_back(key);
 
     const float third = part.upper ? 2.0f / 3 : 1.0f / 3;
     visibility::ShadowPoint& middle = places_.emplace_back(at);
@@ -61,7 +62,7 @@ std::uint32_t SharedPlaces::place(const Key& key, const visibility::ShadowPoint&
 
 void SharedPlaces::find(const PointBatch& batch, std::span<const std::uint32_t> asked)
 {
-    places_.clear(), own_points_.clear();
+    places_.clear(), own_points_.clear(), shared_keys_.clear();
     place_of_.assign(asked.size(), k_nowhere);
     // Keep the places of points that share none.
     Divided part;
@@ -81,9 +82,9 @@ void SharedPlaces::find(const PointBatch& batch, std::span<const std::uint32_t> 
         if (place_of_[k] != k_nowhere) continue;
         const visibility::ShadowPoint& at = batch.shadow_points[asked[k]];
         divide(batch.points[asked[k]], at, part, p);
-        const Key key{std::uint64_t{at.object} << 33 ^ std::uint64_t{at.front} << 32 ^ at.triangle,
-                      std::uint64_t{part.level} << 40 | std::uint64_t{part.column} << 20 |
-                          std::uint64_t{part.row} << 1 | static_cast<std::uint64_t>(part.upper)};
+        const PlaceKey key{std::uint64_t{at.object} << 33 ^ std::uint64_t{at.front} << 32 ^ at.triangle,
+                           std::uint64_t{part.level} << 40 | std::uint64_t{part.column} << 20 |
+                               std::uint64_t{part.row} << 1 | static_cast<std::uint64_t>(part.upper)};
         place_of_[k] = place(key, at, part, p);
     }
 }

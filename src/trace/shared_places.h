@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "trace/place_memory.h"
 #include "trace/point_batch.h"
 
 namespace gnomon::trace {
@@ -27,6 +28,8 @@ class SharedPlaces {
     void find(const PointBatch& batch, std::span<const std::uint32_t> asked);
 
     std::span<const visibility::ShadowPoint> places() const { return places_; }
+    /// By place that is shared, from own() on: what identifies it.
+    std::span<const PlaceKey> shared_keys() const { return shared_keys_; }
     /// Places that belong to one point.
     std::size_t own() const { return own_; }
     /// By place that belongs to one point: the index of the point in the batch.
@@ -35,12 +38,8 @@ class SharedPlaces {
     std::uint32_t place_of(std::size_t asked) const { return place_of_[asked]; }
 
  private:
-    struct Key {
-        std::uint64_t triangle = 0, part = 0;
-        friend bool operator==(const Key&, const Key&) = default;
-    };
     struct Entry {
-        Key key;
+        PlaceKey key;
         std::uint32_t place = 0xffffffff;
     };
     struct Divided {
@@ -48,11 +47,12 @@ class SharedPlaces {
         bool upper = false;   // the half of the square that is away from the first corner
     };
     bool divide(const TilePoint& point, const visibility::ShadowPoint& at, Divided& part, glm::vec3 (&p)[3]) const;
-    std::uint32_t place(const Key& key, const visibility::ShadowPoint& at, const Divided& part,
+    std::uint32_t place(const PlaceKey& key, const visibility::ShadowPoint& at, const Divided& part,
                         const glm::vec3 (&p)[3]);
 
     const ray::RayScene& rays_;
     std::vector<visibility::ShadowPoint> places_;
+    std::vector<PlaceKey> shared_keys_;
     std::vector<std::uint32_t> own_points_, place_of_;
     std::vector<Entry> table_;   // a power of two
     std::size_t own_ = 0;

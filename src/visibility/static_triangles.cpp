@@ -56,33 +56,44 @@ double half_area(const Box3& box)
 
 }   // namespace
 
-StaticTriangles::StaticTriangles(const scene::SceneState& state, const ray::RayScene& rays, LeftOut left_out)
+StaticTriangles::StaticTriangles(const scene::SceneState& state, const ray::RayScene& rays, LeftOut left_out,
+                                 std::size_t most)
     : left_out_(left_out)
 {
     const scene::Scene& scene = state.scene();
     first_.assign(scene.objects.size(), no_triangle);
     count_.assign(scene.objects.size(), 0);
-    std::vector<scene::ObjectId> space;   // by triangle: none for world space, else the object whose space it is
+    std::vector<scene::ObjectId> objects;
+    std::size_t count = 0;
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
         if (state.is_dynamic(o) || !state.object_visible(o) || rays.meeting(o) == ray::Meeting::never) continue;
+        objects.push_back(o);
+        for (const scene::MeshPart& part : rays.geometry(o).mesh->parts) count += part.triangle_count;
+    }
+    listed_ = count <= most;
+    std::vector<scene::ObjectId> space;   // by triangle: none for world space, else the object whose space it is
+    if (listed_) triangles_.reserve(count), roles_.reserve(count), space.reserve(count);
+    for (const scene::ObjectId o : objects) {
         interruption_point();
         const ray::ObjectGeometry& geometry = rays.geometry(o);
-        first_[o] = static_cast<TriangleId>(triangles_.size());
+        if (listed_) first_[o] = static_cast<TriangleId>(triangles_.size());
         for (const scene::MeshPart& part : geometry.mesh->parts) {
             const Role role = role_of(scene.materials[part.material].surface_class());
             for (std::uint32_t t = 0; t < part.triangle_count; ++t) {
                 StaticTriangle triangle;
                 geometry.corners(part.first_triangle + t, triangle.p);
                 for (const glm::vec3& p : triangle.p) bounds_.add(p);
+                if (!listed_) continue;
                 triangles_.push_back(triangle);
                 roles_.push_back(role);
                 space.push_back(geometry.to_world ? o : scene::none);
             }
         }
-        count_[o] = static_cast<std::uint32_t>(triangles_.size()) - first_[o];
+        if (listed_) count_[o] = static_cast<std::uint32_t>(triangles_.size()) - first_[o];
     }
     for (int axis = 0; axis < 3 && !bounds_.empty(); ++axis)
         largest_ = std::max({largest_, std::abs(bounds_.low[axis]), std::abs(bounds_.high[axis])});
+    if (!listed_) return;
     match_edges(space);
     build_tree();
 }
@@ -261,6 +272,7 @@ void StaticTriangles::remove_from_tree(TriangleId id)
 
 bool StaticTriangles::any_in(const Shaft& shaft) const
 {
+    if (!listed_) return true;
     if (nodes_.empty() || !shaft.may_meet(nodes_[0].low, nodes_[0].high)) return false;
     std::array<std::uint32_t, 128> stack;
     std::size_t top = 0;
@@ -286,6 +298,7 @@ bool StaticTriangles::any_in(const Shaft& shaft) const
 
 double StaticTriangles::least_height(const std::array<Plane, 4>& sides, const Plane& plane) const
 {
+    if (!listed_) return -std::numeric_limits<double>::infinity();
     double least = std::numeric_limits<double>::infinity();
     // The corner of a box that is lowest or highest over a plane.
     const auto corner = [](const Node& node, const glm::dvec3& direction, bool furthest) {

@@ -6,6 +6,9 @@
 // except for static instances, where rays are transformed to the space of the mesh. Edges match if the bits of their
 // end points agree, within one space. Where they do not match, the surface is not watertight, and no certificate passes
 // over the edge.
+//
+// Where there are very many triangles, each has few points, and proofs would cost more time and memory than the rays
+// that they save. Nothing is then listed: no triangle can be a receiver of proofs, and no shaft is known to be free.
 
 #include <algorithm>
 #include <array>
@@ -38,8 +41,12 @@ class StaticTriangles {
     /// How a triangle takes part in shadows.
     enum class Role : std::uint8_t { opaque, masked, transparent };
 
+    static constexpr std::size_t k_most = std::size_t{1} << 21;   // triangles
+
     /// @param left_out  checks to leave out, for tests
-    StaticTriangles(const scene::SceneState& state, const ray::RayScene& rays, LeftOut left_out = {});
+    /// @param most      if there are more static triangles, none is listed
+    StaticTriangles(const scene::SceneState& state, const ray::RayScene& rays, LeftOut left_out = {},
+                    std::size_t most = k_most);
     /// Removes a promoted object. The rest is as if it had never been there, except for the bounds, and for edges that
     /// it shared with two other triangles. Cost: a tree descent per triangle of the object.
     void remove(scene::ObjectId object);
@@ -52,9 +59,11 @@ class StaticTriangles {
     }
 
     std::size_t size() const { return triangles_.size(); }
+    /// Whether all static triangles are listed, rather than none.
+    bool listed() const { return listed_; }
     const StaticTriangle& operator[](TriangleId id) const { return triangles_[id]; }
     Role role(TriangleId id) const { return roles_[id]; }
-    /// First id of an object's triangles; no_triangle for dynamic or hidden objects.
+    /// First id of an object's triangles; no_triangle for dynamic or hidden objects, and where none is listed.
     TriangleId first_of(scene::ObjectId object) const { return first_[object]; }
     /// The other triangle at edge e (from corner e to e + 1); no_triangle at borders, where three or more triangles
     /// share the edge, and where the neighbour is not opaque.
@@ -65,16 +74,17 @@ class StaticTriangles {
         const TriangleId first = first_[object];
         return first == no_triangle ? std::pair(0u, 0u) : std::pair(first, first + count_[object]);
     }
+    /// Of all static triangles, listed or not.
     const Box3& bounds() const { return bounds_; }
     float largest_coordinate() const { return largest_; }
     std::size_t bytes() const;
 
     /// Whether any triangle that can block light, opaque or masked, intersects the shaft. Conservative: may be true
-    /// where none does.
+    /// where none does, and is where none is listed.
     bool any_in(const Shaft& shaft) const;
 
     /// The least height over `plane` of all triangles that can block light, clipped to the four `sides`; infinite if
-    /// none is left.
+    /// none is left, and minus infinity where none is listed.
     double least_height(const std::array<Plane, 4>& sides, const Plane& plane) const;
 
     /// Finds opaque triangles that intersect the segment origin + [0, 1] * to_end, at most `most`, in no particular
@@ -111,6 +121,7 @@ class StaticTriangles {
     std::vector<TriangleId> outside_tree_;   // those that do not block light
     std::vector<std::uint32_t> count_;       // by object: its triangles
     LeftOut left_out_;
+    bool listed_ = true;
     Box3 bounds_;
     float largest_ = 0;
 };

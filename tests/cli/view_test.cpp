@@ -8,6 +8,7 @@
 
 #include "io/image/image_file.h"
 #include "run_program.h"
+#include "two_clips.h"
 #include "video/process.h"
 
 namespace gnomon::test {
@@ -187,6 +188,32 @@ TEST(View, FailingFrameEndsTheRecordingAndKeepsTheVideo)
     EXPECT_EQ(seen.json.at("options_set"), nlohmann::json::array({"renderer"}));
     EXPECT_EQ(seen.json.at("files"), nlohmann::json::array({"gnomon-0001.mp4"}));
     EXPECT_GT(std::filesystem::file_size(folder / "gnomon-0001.mp4"), 1000u);
+}
+
+// The list of clips below the player loads the file again with the one that is chosen.
+TEST(View, AClipIsChosenFromTheList)
+{
+    NEED_WINDOWS();
+    const ScratchFolder folder;
+    write_two_clips(folder / "two.gltf");
+    const Seen seen = drive(folder, "two.gltf", "",
+                            "sleep 1\nmousemove 90 91\nclick 1\nsleep 0.7\nmousemove 60 149\nclick 1\nsleep 2\n"
+                            "mousemove 350 300\nkey Home\nkey Right\nkey Right\nkey Right\nsleep 0.5\nkey p\n"
+                            "await gnomon-0001.png\nkey Escape\n",
+                            "400x500");
+    ASSERT_EQ(seen.code, 0) << seen.err;
+    EXPECT_EQ(seen.json.at("options_set"), nlohmann::json::array({"animation"}));
+    EXPECT_EQ(seen.json.at("loads"), 2);
+    const auto rendered = [&](const std::string& clip) {
+        const std::string out = folder / "render.png";
+        const Outcome outcome =
+            run({"render", folder / "two.gltf", "--animation", clip, "--frame", "4", "--size", "400x500", "-o", out});
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return io::read_image(out).data;
+    };
+    const auto shot = io::read_image(folder / "gnomon-0001.png").data;
+    EXPECT_EQ(shot, rendered("jump"));
+    EXPECT_NE(shot, rendered("walk"));
 }
 
 TEST(View, ReloadsAChangedFile)

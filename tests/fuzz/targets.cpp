@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fuzz/targets.h"
 
+#include <signal.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -30,10 +33,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view k_folder_name = "gnomon-fuzz-";   // then the process, a dash, and six letters
+
 // Larger images and scenes are refused here, so that the time is spent on many small inputs.
 constexpr io::ImageLimits k_image{.max_side = 2048, .max_pixels = 1u << 20};
 constexpr io::FloatImageLimits k_float_image{
     .max_side = 2048, .max_pixels = 1u << 20, .max_values = 1u << 22, .max_channels = 64};
+
+}   // namespace
+
+void remove_left_folders()
+{
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(fs::temp_directory_path(), ignored)) {
+        const std::string name = entry.path().filename().string();
+        if (!name.starts_with(k_folder_name)) continue;
+        pid_t process = 0;
+        const char* const end = name.data() + name.size();
+        const auto [after, error] = std::from_chars(name.data() + k_folder_name.size(), end, process);
+        if (error != std::errc() || after == end || *after != '-' || process <= 0) continue;
+        if (kill(process, 0) != 0 && errno == ESRCH) fs::remove_all(entry.path(), ignored);
+    }
+}
+
+namespace {
 
 // --- A scene folder with the files that inputs refer to.
 
@@ -41,7 +64,9 @@ class Folder {
  public:
     Folder()
     {
-        std::string pattern = (fs::temp_directory_path() / "gnomon-fuzz-XXXXXX").string();
+        remove_left_folders();
+        std::string pattern =
+            (fs::temp_directory_path() / (std::string(k_folder_name) + std::to_string(getpid()) + "-XXXXXX")).string();
         if (!mkdtemp(pattern.data())) throw std::runtime_error("mkdtemp failed");
         root_ = pattern;
         fs::create_directory(root_ / "scene");

@@ -26,6 +26,9 @@ struct Target {
 };
 
 std::span<const Target> targets();
+/// Removes the temporary folders of processes that were killed, or that a finding ended. Each process does it before it
+/// makes a folder of its own.
+void remove_left_folders();
 /// Returns nullptr if there is no such target.
 const Target* find_target(std::string_view name);
 

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The seeds of fuzzing are accepted, and inputs that once failed are refused or read as they should be.
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <filesystem>
 #include <string>
 
 #include "base/random.h"
@@ -69,6 +72,29 @@ TEST(FuzzRegression, RefusesOverflowingNumbersInConfigFiles)
 TEST(FuzzRegression, RefusesARepeatedOptionWithoutAValue)
 {
     EXPECT_NE(outcome("options", "bench\nshadow-textures\n--objects\n--objects\n3"), "");   // this was an endless loop
+}
+
+// What a process leaves behind that ends in the middle is removed by the next one.
+TEST(FuzzFolders, OfEndedProcessesAreRemoved)
+{
+    const pid_t child = fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+        outcome("ply", "ply");
+        outcome("gltf", "{}");
+        _exit(9);   // destructors do not run
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    const auto left = [&] {
+        int count = 0;
+        for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::temp_directory_path()))
+            count += entry.path().filename().string().starts_with("gnomon-fuzz-" + std::to_string(child) + "-") ? 1 : 0;
+        return count;
+    };
+    EXPECT_EQ(left(), 1);
+    remove_left_folders();
+    EXPECT_EQ(left(), 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Each, FuzzTarget, testing::ValuesIn(targets().begin(), targets().end()),

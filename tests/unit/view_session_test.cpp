@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "support.h"
+#include "two_clips.h"
 
 namespace gnomon::viewer {
 namespace {
@@ -117,6 +118,38 @@ TEST(ViewSession, UserOverrideHoldsThePickedObject)
     const auto moved = finished(session, request);
     EXPECT_FALSE(same(moved, before));
     EXPECT_NE(moved->picked->transform, ball->transform) << "it follows the image";
+}
+
+// Another clip is another scene, and its frames are those of the file with this clip.
+TEST(ViewSession, AClipIsChosenByName)
+{
+    const test::ScratchFolder folder;
+    const std::string file = folder / "two.gltf";
+    test::write_two_clips(file);
+    ViewSession session(1);
+    SceneRecipe recipe;
+    recipe.what = file;
+    std::vector<std::shared_ptr<const ViewImage>> images;
+    for (const char* clip : {"", "jump", "0", "jump"}) {
+        const std::uint64_t loads = session.load_state().loads;
+        recipe.animation = clip;
+        session.load(recipe);
+        ASSERT_TRUE(comes([&] { return !session.load_state().loading; }));
+        ASSERT_EQ(session.load_state().error, "");
+        EXPECT_EQ(session.load_state().loads, loads + 1);
+        const bool jumps = std::string_view(clip) == "jump";
+        EXPECT_EQ(session.scene()->frame_count(), jumps ? 49 : 25) << clip;
+        EXPECT_EQ(session.scene()->info().animations.at(1).plays, jumps) << clip;
+        images.push_back(finished(session, at(1)));
+    }
+    EXPECT_FALSE(same(images[0], images[1]));
+    EXPECT_TRUE(same(images[0], images[2]));
+    EXPECT_TRUE(same(images[1], images[3]));
+    // A name that the file lacks is an error that names those it has.
+    recipe.animation = "run";
+    session.load(recipe);
+    ASSERT_TRUE(comes([&] { return !session.load_state().loading; }));
+    EXPECT_NE(session.load_state().error.find("walk"), std::string::npos) << session.load_state().error;
 }
 
 // Hidden by its parent's scale of 0 when it was taken.

@@ -111,6 +111,7 @@ void RayScene::Impl::build(const scene::SceneState& state)
     first_instance = static_cast<unsigned>(still_records.size());
     for (scene::ObjectId o = 0; o < scene->objects.size(); ++o)
         if (!state.is_dynamic(o) && instanced(scene->objects[o])) add_still_instance(state, o);
+    measure_thin(state);
     finish_shared();
     commit_still();
     device.check();
@@ -210,6 +211,32 @@ void RayScene::Impl::measure_still(const scene::SceneState& state)
         const float reach = reach_of(box, glm::mat4(state.world(object.node)));
         if (reach <= k_largest_coordinate) still_reach = std::max(still_reach, reach);
     }
+}
+
+// Finds a box around the static objects that thin light. Those that are promoted later leave it too large.
+void RayScene::Impl::measure_thin(const scene::SceneState& state)
+{
+    thin_box = {};
+    if (!thins_light) return;
+    for (scene::ObjectId o = 0; o < scene->objects.size(); ++o) {
+        if (state.is_dynamic(o) || !geometry[o].mesh) continue;
+        const scene::Mesh& mesh = *geometry[o].mesh;
+        if (std::ranges::none_of(mesh.parts, [&](const scene::MeshPart& part) {
+                return scene::thins_light(scene->materials[part.material]);
+            }))
+            continue;
+        for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+            glm::vec3 p[3];
+            geometry[o].corners(t, p);
+            for (const glm::vec3& corner : p) thin_box.add(corner);
+        }
+    }
+    if (thin_box.empty()) return;
+    // More than intersections deviate by rounding.
+    constexpr float k_room = 1e-3f;
+    const glm::vec3 reach = glm::max(glm::abs(thin_box.low), glm::abs(thin_box.high)) + thin_box.size();
+    const float room = k_room * std::max({reach.x, reach.y, reach.z});
+    thin_box.low -= room, thin_box.high += room;
 }
 
 void RayScene::Impl::bake(BakedVertices& vertices, const scene::Mesh& mesh, const glm::dmat4& matrix)

@@ -154,6 +154,7 @@ struct RayScene::Impl {
 
     std::vector<ObjectGeometry> geometry;
     bool thins_light = false;   // any material does
+    Box3 thin_box;              // contains all static triangles that thin light, with some room
     RaySceneStatistics statistics;
     std::uint64_t updates = 0;
     std::size_t baked_bytes = 0;
@@ -174,6 +175,7 @@ struct RayScene::Impl {
     /// Adds a solid for a deforming object, or for one that was promoted or separated from its group.
     void add_alone(const scene::SceneState& state, scene::ObjectId object);
     void measure_still(const scene::SceneState& state);
+    void measure_thin(const scene::SceneState& state);
     static void measure(Solid& solid, const scene::SceneState& state);
     void finish(std::uint32_t solid, const scene::SceneState& state);
     void describe(scene::ObjectId object, const BakedVertices& vertices, const Solid* solid, bool mirrored);
@@ -214,8 +216,9 @@ struct RayScene::Impl {
                           Against against) const;
     void occluded_portably(const RayQueue& rays, std::size_t begin, std::size_t end, std::uint8_t* occluded,
                            Against against) const;
+    /// @param within  rays that miss this box have no hits; null: that is not known
     void thin_portably(const SceneTree& scene, const RayQueue& rays, std::size_t begin, std::size_t end,
-                       std::vector<ThinHit>& hits) const;
+                       const Box3* within, std::vector<ThinHit>& hits) const;
     Hit closest_single_portably(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,
                                 Sides sides) const;
     bool occluded_single_portably(const glm::vec3& origin, float tnear, const glm::vec3& direction, float tfar,

@@ -150,7 +150,8 @@ void RayScene::let_through(const RayQueue& rays, std::size_t begin, std::size_t 
             hits.clear();
             if (in.portable)
                 in.thin_portably(tree == &in.still ? in.portable_still_scene : in.portable_moving_scene, rays, at,
-                                 at + static_cast<std::size_t>(count), hits);
+                                 at + static_cast<std::size_t>(count), tree == &in.still ? &in.thin_box : nullptr,
+                                 hits);
             else
                 thin_packet(in.width, tree->get(), context, rays, at, count);
             // Each surface counts once. Multiply in the order of the factors: surfaces' numbers depend on the history

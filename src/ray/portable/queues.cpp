@@ -134,13 +134,28 @@ void RayScene::Impl::occluded_portably(const RayQueue& rays, std::size_t begin, 
 }
 
 void RayScene::Impl::thin_portably(const SceneTree& tree, const RayQueue& rays, std::size_t begin, std::size_t end,
-                                   std::vector<ThinHit>& hits) const
+                                   const Box3* within, std::vector<ThinHit>& hits) const
 {
+    if (within && within->empty()) return;
     RayQuery query;
     query.mask = k_mask_thins;
     query.thin = &hits;
     RayPacket packet;
-    const unsigned lanes = load(packet, rays, begin, end - begin);
+    unsigned lanes = load(packet, rays, begin, end - begin);
+    // These rays pass through everything on their way: leave out those that miss the box.
+    for (std::size_t i = 0; within && i < end - begin; ++i) {
+        float first = packet.tnear[i], last = packet.t[i];
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const float inverse = 1 / packet.direction[axis][i];
+            const int a = static_cast<int>(axis);
+            const float low = (within->low[a] - packet.origin[axis][i]) * inverse,
+                        high = (within->high[a] - packet.origin[axis][i]) * inverse;
+            // A ray in the plane of a face, for which one of them is no number, is kept.
+            first = std::max(first, std::min(low, high)), last = std::min(last, std::max(low, high));
+        }
+        if (first > last) lanes &= ~(1u << i), packet.t[i] = -1;
+    }
+    if (lanes == 0) return;
     const SceneTree* const trees[] = {&tree};
     find_occluded(trees, query, packet, lanes);
 }
