@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "base/interruption.h"
 #include "lighting/diffuse.h"
@@ -89,7 +90,8 @@ void DynamicReflection::add_places(const scene::SceneState& state, const ray::Ra
                                    const std::vector<Place>& places)
 {
     const ray::ObjectGeometry& geometry = rays.geometry(object);
-    for (const Place& place : places) {
+    for (std::uint32_t k = 0; k < places.size(); ++k) {
+        const Place& place = places[k];
         glm::vec3 p[3];
         geometry.corners(place.triangle, p);
         glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
@@ -99,7 +101,7 @@ void DynamicReflection::add_places(const scene::SceneState& state, const ray::Ra
         if (place.front == geometry.mirrored) normal = -normal;
         const glm::vec3 position = (1 - place.u - place.v) * p[0] + place.u * p[1] + place.v * p[2];
         reflectors_.push_back({object, position, normal, position + ray::origin_lift(p) * normal, glm::vec3(0),
-                               place.share * static_cast<float>(area_of(p))});
+                               place.share * static_cast<float>(area_of(p)), k});
         albedo_.push_back(lighting::albedo(state.scene(), geometry, place.triangle, place.u, place.v));
     }
 }
@@ -136,6 +138,12 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
     light_by_emission(rays, light);
     for (std::size_t k = 0; k < reflectors_.size(); ++k)
         reflectors_[k].flux = reflectors_[k].area * albedo_[k] * irradiance_[k];
+    // Sums over them must not depend on the objects' numbers, which a host that adds and removes objects changes.
+    const auto key = [](const Reflector& r) {
+        return std::tuple(r.position.x, r.position.y, r.position.z, r.normal.x, r.normal.y, r.normal.z, r.flux.x,
+                          r.flux.y, r.flux.z);
+    };
+    std::ranges::sort(reflectors_, {}, key);
     return reflectors_;
 }
 
@@ -150,7 +158,7 @@ void DynamicReflection::light_by_patches(const scene::SceneState& state, const r
         glm::vec3 x, y;
         make_basis(from.normal, x, y);
         for (std::size_t r = 0; r < k_rays; ++r) {
-            const glm::vec3 d = direction_of(k, r);
+            const glm::vec3 d = direction_of(from.number, r);
             rays_.push(from.sample, d.x * x + d.y * y + d.z * from.normal);
         }
     }
@@ -183,7 +191,7 @@ void DynamicReflection::light_by_emission(const ray::RayScene& rays, const Light
             const Reflector& to = reflectors_[k];
             if (of.places.empty() || glm::dot(to.normal, of.centre - to.position) <= -of.radius) continue;
             // Choose a place of the light that is above the reflector's horizon.
-            std::size_t place = k % of.places.size(), tried = 0;
+            std::size_t place = to.number % of.places.size(), tried = 0;
             while (tried < of.places.size() && !(glm::dot(of.places[place].position - to.sample, to.normal) > 0))
                 place = (place + 1) % of.places.size(), ++tried;
             if (tried == of.places.size()) continue;

@@ -29,6 +29,7 @@ class DynamicReflection {
         glm::vec3 sample{0};   // just above the position
         glm::vec3 flux{0};     // radiant exitance times area
         float area = 0;
+        std::uint32_t number = 0;   // among those of its object
     };
     /// What lights the objects.
     struct Light {
@@ -38,7 +39,7 @@ class DynamicReflection {
         const scene::SizedLights& emission;
     };
 
-    /// Finds what dynamic objects reflect now.
+    /// Finds what dynamic objects reflect now. Neither the result nor its order depends on the objects' numbers.
     /// @param groups  those that occlude light, by what moves together; some may be hidden
     std::vector<Reflector> gather(const scene::SceneState& state, const ray::RayScene& rays,
                                   std::span<const std::vector<scene::ObjectId>> groups, const Light& light);

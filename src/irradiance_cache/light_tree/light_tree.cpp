@@ -169,6 +169,7 @@ void LightTree::follow_light(Tasks& tasks)
 void LightTree::find_dynamics()
 {
     dynamics_.clear();
+    reflection_.forget();   // objects may have other meshes
     for (scene::ObjectId o = 0; o < state_->scene().objects.size(); ++o)
         if (state_->is_dynamic(o) && !state_->scene().objects[o].removed && casters_.casts(o)) dynamics_.push_back(o);
     dynamic_groups_.clear();
@@ -502,7 +503,7 @@ void LightTree::update(const scene::SceneState& state, const ray::RayScene& rays
     geometry_changed_ = all || relit || !changes.lights_moved.empty() || !changes.lights_relit.empty();
     const bool other_objects = !changes.added.empty() || !changes.removed.empty();
     if (promoted || other_objects || !changes.separated.empty()) find_dynamics();
-    if (other_objects || !changes.materials_changed.empty()) reflection_.forget();
+    if (!changes.materials_changed.empty()) reflection_.forget();
     if (geometry_changed_) {
         tasks.for_each(views_.size(), [&](std::size_t v, int) {
             if (all || changes.light_changed(views_[v].light)) make_view(views_[v]);
