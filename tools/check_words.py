@@ -49,6 +49,7 @@ k_exceptions = [
     (r"\bmovers=", "a parameter of builtin:spheres; scripts use it"),
     (r"sentences with a subject and a verb", "the verb of grammar"),
     (r"</?picture>", "an element of HTML"),
+    (r"AnisotropyBarnLamp", "the name of a model"),
     (r"[Tt]hin[ _]?[Ff]ilms?", "the optical term: a layer that light interferes in"),
 ]
 # Files that must hold such words: they list them, or are data.
