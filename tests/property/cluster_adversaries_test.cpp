@@ -19,25 +19,6 @@ struct Count {
     std::uint64_t segments = 0, wrong = 0, rounded = 0, parts[5]{};   // rounded: contradictions by the kernel
 };
 
-// Whether a segment from a point, up to `end` of the way, crosses any triangle, in double precision. The kernel of rays
-// rounds, and triangles that are seen edge-on may then be hit a little before they are met.
-bool crosses_any(const StaticTriangles& triangles, const glm::dvec3& from, const glm::dvec3& way, double end)
-{
-    for (TriangleId id = 0; id < triangles.size(); ++id) {
-        const auto& p = triangles[id].p;
-        const glm::dvec3 a(p[0]), b(p[1]), c(p[2]), n = glm::cross(b - a, c - a);
-        const double along = glm::dot(n, way);
-        if (along == 0) continue;
-        const double t = glm::dot(n, a - from) / along;
-        if (!(t > 0 && t < end)) continue;
-        const glm::dvec3 at = from + t * way;
-        if (glm::dot(glm::cross(b - a, at - a), n) >= 0 && glm::dot(glm::cross(c - b, at - b), n) >= 0 &&
-            glm::dot(glm::cross(a - c, at - c), n) >= 0)
-            return true;
-    }
-    return false;
-}
-
 void attack(std::uint64_t seed, int parts, Count& count, ClusterCheck left_out = ClusterCheck::none)
 {
     Trap trap(seed, true);

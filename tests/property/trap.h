@@ -8,12 +8,33 @@
 #include "area_light/light_places.h"
 #include "base/random.h"
 #include "scene/scene.h"
+#include "visibility/static_triangles.h"
 
 namespace gnomon::area_light {
 
 inline glm::vec3 anywhere(Random& random, float reach)
 {
     return {random.uniform(-reach, reach), random.uniform(-reach, reach), random.uniform(-reach, reach)};
+}
+
+// Whether a segment from a point, up to `end` of the way, crosses any triangle, in double precision. The kernel of rays
+// rounds, and triangles that are seen edge-on may then be hit a little before they are met.
+inline bool crosses_any(const visibility::StaticTriangles& triangles, const glm::dvec3& from, const glm::dvec3& way,
+                        double end)
+{
+    for (visibility::TriangleId id = 0; id < triangles.size(); ++id) {
+        const auto& p = triangles[id].p;
+        const glm::dvec3 a(p[0]), b(p[1]), c(p[2]), n = glm::cross(b - a, c - a);
+        const double along = glm::dot(n, way);
+        if (along == 0) continue;
+        const double t = glm::dot(n, a - from) / along;
+        if (!(t > 0 && t < end)) continue;
+        const glm::dvec3 at = from + t * way;
+        if (glm::dot(glm::cross(b - a, at - a), n) >= 0 && glm::dot(glm::cross(c - b, at - b), n) >= 0 &&
+            glm::dot(glm::cross(a - c, at - c), n) >= 0)
+            return true;
+    }
+    return false;
 }
 
 // A receiver, a light and, between them, sheets.
