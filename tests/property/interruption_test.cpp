@@ -95,7 +95,8 @@ TEST(Interruption, AFrameAfterCancelledOnesIsThatOfANewRenderer)
             if (!empty) later = Milliseconds(Clock::now() - start).count();
         }
     }
-    EXPECT_GE(cancelled, 60) << "of " << asked;
+    // Whether a cancel comes before the frame ends depends on what else the machine does.
+    EXPECT_GE(cancelled, asked / 4);
 }
 
 TEST(Interruption, WhatProgressThrowsLeavesRender)
