@@ -56,6 +56,9 @@ struct CacheFrame {
         const float t = std::max(beyond, 0.0f) / options.level_blend;
         return t * t * (3 - 2 * t);
     }
+    /// How much of a part's near field comes from the part itself, where a pixel is so wide, instead of from near-field
+    /// points that are a few pixels apart.
+    float near_by_parts(float width) const { return fade_in(width / near_field.fade_width() - 1); }
 };
 
 }   // namespace gnomon::irradiance_cache

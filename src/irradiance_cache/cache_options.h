@@ -17,6 +17,7 @@ struct CacheOptions {
     float level_blend = 0.3f;     // fraction of a level of detail over which it fades into the next
     float pixels_per_part = 6;    // spacing of parts of dynamic objects
     float pixels_per_leaf = 16;   // spacing of points on small triangles that no lattice fits: foliage, rods
+    float pixels_per_finer = 6;   // the same where those do not represent the pixel
     float pixels_per_own = 2;     // size of the part around the pixel itself, used where all other points are dark
     CutOptions cut;
     // Replace cut.error and cut.estimate for points on dynamic objects, because their cut is made again in every frame.

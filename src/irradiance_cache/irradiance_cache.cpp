@@ -214,19 +214,21 @@ bool IrradianceCache::shade_points(Batch::Scratch& own, std::span<const Indirect
 
     // Interpolate parts of triangles where no lattice point applies; and, where those are dark, parts around the pixel.
     own.collector.select_parts(frame_, points, work);
-    for (const bool last : {false, true}) {
+    CacheCounters& counters = own.evaluation.counters;
+    for (const PartsAre are : {PartsAre::far, PartsAre::finer, PartsAre::own}) {
         if (work.parts.empty()) break;
         own.collector.collect_parts(frame_, own.claims, work);
         evaluate_claimed(own);
-        own.interpolator.blend_parts(frame_, points, last, work, irradiance);
+        own.interpolator.blend_parts(frame_, points, are, work, irradiance, counters);
     }
     if (work.queued) return false;
+    if (near_field_.hints() && own.near_field.select_of_parts(work)) add_near_field(own, points, irradiance);
 
     // Interpolate on the screen.
     own.pixels.fill(irradiance);
     if (near_field && near_field_.hints()) {
         own.pixels.fill(work.near_weight.data());
-        add_near_field(own, points, irradiance);
+        if (own.near_field.select(frame_, points, work, failure_, counters)) add_near_field(own, points, irradiance);
     }
     if (!budget_.limited()) return true;
     for (std::size_t i = 0; i < points.size(); ++i) own.light_sum += irradiance[i];
@@ -234,14 +236,12 @@ bool IrradianceCache::shade_points(Batch::Scratch& own, std::span<const Indirect
     return true;
 }
 
-// Adds the light from surfaces so near that the light tree cannot tell them apart.
+// Adds the selected light from surfaces so near that the light tree cannot tell them apart.
 void IrradianceCache::add_near_field(Batch::Scratch& own, std::span<const IndirectPoint> points, glm::vec3* irradiance)
 {
-    CacheCounters& counters = own.evaluation.counters;
-    if (!own.near_field.select(frame_, points, own.work, failure_, counters)) return;
     own.near_field.collect(frame_, own.claims);
     evaluate_claimed(own);
-    if (own.near_field.replace_hidden(frame_, points, counters)) {
+    if (own.near_field.replace_hidden(frame_, points, own.evaluation.counters)) {
         own.near_field.collect(frame_, own.claims);
         evaluate_claimed(own);
     }

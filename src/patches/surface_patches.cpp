@@ -57,6 +57,7 @@ struct SurfacePatches::Made {
     std::vector<std::uint8_t> occluded;
     std::vector<std::uint32_t> chosen, group, open, target;
     std::vector<float> represents;
+    std::vector<std::uint8_t> openness;   // by chosen place
 
     Made() { rays.purpose = ray::RayClass::indirect; }
     void trace(const ray::RayScene& scene)
@@ -397,6 +398,27 @@ std::uint32_t SurfacePatches::group_places(const ray::RayScene& rays, std::span<
     return groups;
 }
 
+// Counts the directions in which nothing is close to a place: those that see much of the scene are seen by it.
+void SurfacePatches::find_openness(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
+                                   Made& made) const
+{
+    constexpr float k_up = 0.6f, k_aside = 0.8f;
+    constexpr std::size_t k_directions = 5;
+    const float reach = options_.open_reach * parts[sides[0].part()].width;
+    made.rays.clear();
+    for (const std::uint32_t s : made.chosen) {
+        const glm::vec3 n = sides[s].normal(parts[sides[s].part()]), from = above(parts, sides[s], 0);
+        glm::vec3 t, b;
+        make_basis(n, t, b);
+        for (const glm::vec3& d :
+             {n, k_up * n + k_aside * t, k_up * n - k_aside * t, k_up * n + k_aside * b, k_up * n - k_aside * b})
+            made.rays.push(from, 0, reach * d, 1);
+    }
+    made.trace(rays);
+    made.openness.assign(made.chosen.size(), 0);
+    for (std::size_t r = 0; r < made.rays.size(); ++r) made.openness[r / k_directions] += made.occluded[r] ? 0 : 1;
+}
+
 // Makes the patches of one cell.
 void SurfacePatches::make_cell(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
                                Made& made) const
@@ -405,6 +427,8 @@ void SurfacePatches::make_cell(const ray::RayScene& rays, std::span<const Part> 
     choose_places(parts, sides, made);
     const std::uint32_t groups = group_places(rays, parts, sides, made);
     const std::size_t count = made.chosen.size();
+
+    find_openness(rays, parts, sides, made);
 
     // Give each side to the nearest place.
     const std::size_t first_side = made.patch_of.size();
@@ -444,6 +468,7 @@ void SurfacePatches::make_cell(const ray::RayScene& rays, std::span<const Part> 
             if (made.group[made.target[s]] == g)
                 patch.radius = std::max(patch.radius, glm::length(part(s).middle - patch.position) + part(s).radius);
         float nearest = k_infinity;
+        std::uint8_t most_open = 0;
         for (std::uint32_t k = 0; k < count; ++k) {
             if (made.group[k] != g) continue;
             const Part& of = part(made.chosen[k]);
@@ -451,7 +476,8 @@ void SurfacePatches::make_cell(const ray::RayScene& rays, std::span<const Part> 
             const glm::vec3 place = above(parts, side, 0);
             made.places.push_back({place, side.normal(of), made.represents[k], side.part()});
             const float distance = glm::length(of.middle - patch.position);
-            if (distance < nearest) nearest = distance, patch.sample = place;
+            if (made.openness[k] < most_open || (made.openness[k] == most_open && !(distance < nearest))) continue;
+            most_open = made.openness[k], nearest = distance, patch.sample = place;
         }
         patch.places = static_cast<std::uint32_t>(made.places.size()) - patch.first;
         made.patches.push_back(patch);

@@ -37,6 +37,7 @@ struct PatchOptions {
     std::size_t places = 32;       // of a cell, at most
     int separated = 12;            // patches of a cell, at most
     float lift = 0.1f;             // height at which places of a cell see each other, in widths of a cube
+    float open_reach = 0.5f;       // how far places look for what is close to them, in widths of a cube
     float crossed_lift = 0.001f;   // the same for the places of a part
     float crossed_area = 0.003f;   // parts below this area, in squares of that width, are not tested for crossings
     // Of scenes with more triangles than `ungrouped`, `grouped` groups are aimed at, each of at most a fraction of the
@@ -100,6 +101,8 @@ class SurfacePatches {
     static glm::vec3 above(std::span<const Part> parts, const Side& side, float lift);
     std::uint32_t group_places(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
                                Made& made) const;
+    void find_openness(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
+                       Made& made) const;
     void make_cell(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
                    Made& made) const;
     void mark_crossed(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides);

@@ -36,6 +36,14 @@ bool NearFieldStep::select(const CacheFrame& frame, std::span<const IndirectPoin
     return !selected_.empty();
 }
 
+bool NearFieldStep::select_of_parts(const BatchWork& work)
+{
+    selected_.clear();
+    for (const NearPartRequest& part : work.near_parts)
+        selected_.push_back({part.point, part.weight, part.key, nullptr});
+    return !selected_.empty();
+}
+
 // Finds the pixels on static surfaces that have others close by.
 void NearFieldStep::find_near_pixels(const CacheFrame& frame, std::span<const IndirectPoint> points,
                                      const BatchWork& work, const FrameFailure& failure, CacheCounters& counters)

@@ -16,6 +16,9 @@ class NearFieldStep {
     /// @return  whether there are any
     bool select(const CacheFrame& frame, std::span<const IndirectPoint> points, const BatchWork& work,
                 const FrameFailure& failure, CacheCounters& counters);
+    /// Selects the near-field points of parts that have near fields of their own.
+    /// @return  whether there are any
+    bool select_of_parts(const BatchWork& work);
     /// Finds or creates the selected points.
     void collect(const CacheFrame& frame, PointClaims& claims);
     /// Replaces selected points that their pixel does not see by others close to the pixel.

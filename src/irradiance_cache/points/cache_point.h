@@ -23,6 +23,7 @@ struct CachePoint {
     AnchorKey key = 0;
     bool exists = false;     // the key's place lies on a surface
     bool queued = false;     // waits for evaluation by a PointDevice
+    bool covered = false;    // parts of static objects: other geometry lies on it
     float lift = 0;          // distance from the surface at which rays start
     glm::vec3 position{0};   // on the surface
     glm::vec3 normal{0};     // unit, shading

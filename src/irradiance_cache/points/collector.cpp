@@ -25,6 +25,7 @@ void PointCollector::begin(const CacheFrame& frame, std::span<const IndirectPoin
     work.lattice.clear();
     work.parts.clear();
     work.near_weight.assign(points.size(), 1);
+    work.near_parts.clear();
     for (const std::uint32_t i : chosen) {
         if (work.dynamic[i])
             work.parts.push_back({i, 1, 0, nullptr, glm::vec3(0)});
@@ -111,10 +112,9 @@ void PointCollector::select_parts(const CacheFrame& frame, std::span<const Indir
     work.parts.clear();
     for (const PartRequest& whole : whole_) {
         const IndirectPoint& point = points[whole.point];
-        // Where pixels are wide, the near field is left out.
+        // Where pixels are wide, the parts have near fields (Interpolator::blend_parts).
         if (!work.dynamic[whole.point])
-            work.near_weight[whole.point] -=
-                whole.weight * frame.fade_in(point.width / frame.near_field.fade_width() - 1);
+            work.near_weight[whole.point] -= whole.weight * frame.near_by_parts(point.width);
         const PartWeights parts = select_far_parts(frame, point);
         for (int i = 0; i < parts.count; ++i)
             work.parts.push_back({whole.point, whole.weight * parts.weight[i], parts.key[i], nullptr, whole.fallback});

@@ -34,6 +34,13 @@ struct PartRequest {
     glm::vec3 fallback;   // irradiance by the lattice, whatever its weight
 };
 
+/// A part whose irradiance at a surface point lacks the near field, because pixels are too wide for one of their own.
+struct NearPartRequest {
+    std::uint32_t point;
+    float weight;
+    AnchorKey key;   // of the part
+};
+
 /// The four lattice points around some surface points.
 struct CollectedCell {
     AnchorKey key[4];
@@ -51,6 +58,7 @@ struct BatchWork {
     std::vector<CollectedCell> cells;
     LatticePoints lattice_points;   // of `lattice`
     std::vector<PartRequest> parts;
+    std::vector<NearPartRequest> near_parts;
     bool queued = false;   // some of the cache points wait for a device
 };
 

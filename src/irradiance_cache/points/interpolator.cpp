@@ -107,30 +107,68 @@ glm::vec3 Interpolator::fallback(const BatchWork& work, std::size_t k)
     return {around_.r[k], around_.g[k], around_.b[k]};
 }
 
-void Interpolator::blend_parts(const CacheFrame& frame, std::span<const IndirectPoint> points, bool last,
-                               BatchWork& work, glm::vec3* irradiance)
+// Whether a part's point does not see the surface point that it stands for. Both ends are raised, so that a surface
+// that curves does not hide one place of it from another.
+void Interpolator::find_hidden(const CacheFrame& frame, std::span<const IndirectPoint> points, const BatchWork& work,
+                               CacheCounters& counters)
 {
-    dark_.clear();
+    constexpr float k_lift = 0.2f, k_end = 0.999f;   // of the distance
+    rays_.clear();
+    hidden_.assign(work.parts.size(), 0);
     for (const PartRequest& request : work.parts) {
+        const CachePoint& part = *request.part;
+        const IndirectPoint& point = points[request.point];
+        if (work.dynamic[request.point] || part.covered || !part.exists) continue;
+        const float lift = k_lift * glm::length(point.position - part.position);
+        const glm::vec3 from = part.origin() + lift * part.geometric_normal;
+        rays_.push(from, 0, point.position + (part.lift + lift) * point.geometric_normal - from, k_end);
+    }
+    occluded_.resize(rays_.size() + ray::k_packet_pad);
+    frame.rays->occluded(rays_, 0, rays_.size(), occluded_.data(), ray::Against::static_only);
+    counters.rays += rays_.size();
+    std::size_t next = 0;
+    for (std::size_t k = 0; k < work.parts.size(); ++k) {
+        const CachePoint& part = *work.parts[k].part;
+        if (work.dynamic[work.parts[k].point]) continue;
+        hidden_[k] = part.covered || (part.exists && occluded_[next++]);
+    }
+}
+
+void Interpolator::blend_parts(const CacheFrame& frame, std::span<const IndirectPoint> points, PartsAre are,
+                               BatchWork& work, glm::vec3* irradiance, CacheCounters& counters)
+{
+    replaced_.clear();
+    if (are != PartsAre::own) find_hidden(frame, points, work, counters);
+    for (std::size_t k = 0; k < work.parts.size(); ++k) {
+        const PartRequest& request = work.parts[k];
         const IndirectPoint& point = points[request.point];
         if (request.part->queued) {
             work.queued = true;
             continue;
         }
         glm::vec3 light = request.part->irradiance(point.normal);
-        // Other geometry may cover the centre of a part. Then use the lattice around, and if that is dark, too, a part
-        // around the pixel, so that no black dot appears.
-        if (light == glm::vec3(0)) light = request.fallback;
-        if (light == glm::vec3(0) && request.part->version == 0) light = frame.average;   // deferred
-        if (light != glm::vec3(0) || last) {
+        // Take finer parts where geometry covers the centre of a part or hides it from the surface point, or where it
+        // is dark, so that no black dot appears.
+        const bool replaced = are != PartsAre::own && (hidden_[k] != 0 || light == glm::vec3(0));
+        if (!replaced) {
+            if (light == glm::vec3(0)) light = request.part->version == 0 ? frame.average : request.fallback;
             irradiance[request.point] += request.weight * light;
+            if (!work.dynamic[request.point])
+                if (const float near = frame.near_by_parts(point.width); near > 0)
+                    work.near_parts.push_back({request.point, request.weight * near, request.key});
             continue;
         }
-        const PartWeights parts = select_pixel_parts(frame, point);
+        if (request.part->version == 0) {
+            irradiance[request.point] += request.weight * frame.average;   // deferred
+            continue;
+        }
+        const bool finer = are == PartsAre::far && !work.dynamic[request.point];
+        const PartWeights parts = finer ? select_finer_parts(frame, point) : select_pixel_parts(frame, point);
         for (int i = 0; i < parts.count; ++i)
-            dark_.push_back({request.point, request.weight * parts.weight[i], parts.key[i], nullptr, glm::vec3(0)});
+            replaced_.push_back(
+                {request.point, request.weight * parts.weight[i], parts.key[i], nullptr, request.fallback});
     }
-    work.parts.swap(dark_);
+    work.parts.swap(replaced_);
 }
 
 }   // namespace gnomon::irradiance_cache

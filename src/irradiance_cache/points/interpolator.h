@@ -10,24 +10,33 @@
 
 namespace gnomon::irradiance_cache {
 
+/// What parts are asked for, in this order: those for light from afar, finer ones, and those around the pixel itself,
+/// which are taken as they are.
+enum class PartsAre : std::uint8_t { far, finer, own };
+
 /// Holds a thread's scratch memory.
 class Interpolator {
  public:
+    Interpolator() { rays_.purpose = ray::RayClass::indirect; }
     /// Adds the contribution of the collected cells, and leaves in `work` the requests for finer levels and parts.
     void blend_level(const CacheFrame& frame, std::span<const IndirectPoint> points, BatchWork& work,
                      glm::vec3* irradiance);
-    /// Adds the contribution of the collected parts, and leaves in `work` requests for parts around the pixel where all
-    /// is dark.
-    /// @param last  whether dark parts are to be taken as they are
-    void blend_parts(const CacheFrame& frame, std::span<const IndirectPoint> points, bool last, BatchWork& work,
-                     glm::vec3* irradiance);
+    /// Adds the contribution of the collected parts, and leaves in `work` requests for finer parts, or for parts around
+    /// the pixel, where these do not represent it.
+    void blend_parts(const CacheFrame& frame, std::span<const IndirectPoint> points, PartsAre are, BatchWork& work,
+                     glm::vec3* irradiance, CacheCounters& counters);
 
  private:
     static void gather_anchors(BatchWork& work);
     glm::vec3 fallback(const BatchWork& work, std::size_t request);
 
     LatticeLight light_, around_;
-    std::vector<PartRequest> dark_;
+    void find_hidden(const CacheFrame& frame, std::span<const IndirectPoint> points, const BatchWork& work,
+                     CacheCounters& counters);
+
+    std::vector<PartRequest> replaced_;
+    ray::RayQueue rays_;
+    std::vector<std::uint8_t> occluded_, hidden_;
 };
 
 }   // namespace gnomon::irradiance_cache

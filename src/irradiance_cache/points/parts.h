@@ -23,6 +23,8 @@ struct PartWeights {
 PartWeights select_parts(const CacheFrame& frame, const IndirectPoint& point, float spacing, float cluster_spacing);
 /// The same with the spacing for light from afar.
 PartWeights select_far_parts(const CacheFrame& frame, const IndirectPoint& point);
+/// Finer ones, for where those do not represent the pixel.
+PartWeights select_finer_parts(const CacheFrame& frame, const IndirectPoint& point);
 /// Parts of the point's triangle around the pixel itself.
 PartWeights select_pixel_parts(const CacheFrame& frame, const IndirectPoint& point);
 

@@ -12,6 +12,9 @@ namespace gnomon::irradiance_cache {
 
 namespace {
 
+// Geometry covers a point if it lies this near in every direction: in sizes of a part, and in spacings of the lattice.
+constexpr float k_covered_part = 1, k_covered_lattice = 0.5f;
+
 // Traces each ray in a packet of its own. Where surfaces coincide, a hit may depend on the other rays of the packet,
 // and which points are placed together depends on the threads.
 void closest_alone(const ray::RayScene& rays, const ray::RayQueue& queue, ray::Hits& hits, ray::Sides sides)
@@ -49,7 +52,8 @@ float slope_of_end(const CacheFrame& frame, const CachePoint& point, int way, sc
 }
 
 // Puts a point at the centre of its part.
-void place_part(const CacheFrame& frame, CachePoint& point)
+// @return  the part's size
+float place_part(const CacheFrame& frame, CachePoint& point)
 {
     const Part part = part_of(point.key);
     const scene::ObjectId object = frame.triangles.object_of(part.triangle);
@@ -64,7 +68,7 @@ void place_part(const CacheFrame& frame, CachePoint& point)
     glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
     const float length = glm::length(normal);
     point.exists = length > 0;
-    if (!point.exists) return;
+    if (!point.exists) return 0;
     normal /= part.front ? length : -length;
     point.position = w * p[0] + uv.x * p[1] + uv.y * p[2];
     point.lift = ray::origin_lift(p);
@@ -72,9 +76,11 @@ void place_part(const CacheFrame& frame, CachePoint& point)
     point.normal = shading_normal(geometry, triangle, w, uv.x, uv.y, normal);
     point.horizon = ray::smooth_horizon(normal, point.normal);
     point.smooth_lift = ray::smooth_lift(geometry, triangle, uv.x, uv.y, normal);
-    if (!frame.state->is_dynamic(object)) return;
+    const float size = std::sqrt(0.5f * length) / std::exp2(static_cast<float>(part.level));
+    if (!frame.state->is_dynamic(object)) return size;
     point.version = 0;   // its visible nodes change as it moves
     point.owner = frame.lights.owner_of(object);
+    return size;
 }
 
 }   // namespace
@@ -83,9 +89,14 @@ void PointPlacer::place(const CacheFrame& frame, std::span<CachePoint* const> cl
 {
     searching_.clear();
     placed_.clear();
+    covering_.clear();
     for (CachePoint* point : claimed) {
         if (!is_lattice(point->key)) {
-            if (point->version == 0 || point->dynamic_version != frame.dynamic_version) place_part(frame, *point);
+            const bool is_new = point->version == 0;
+            if (!is_new && point->dynamic_version == frame.dynamic_version) continue;
+            const float size = place_part(frame, *point);
+            if (is_new && point->owner == k_no_owner && !is_near(point->key) && size > 0)
+                covering_.push_back({point, k_covered_part * size});
         } else if (point->version == 0) {
             point->exists = false;   // a frame that failed may have placed it half
             searching_.push_back({point, 0, 1, 0});
@@ -94,6 +105,7 @@ void PointPlacer::place(const CacheFrame& frame, std::span<CachePoint* const> cl
     }
     follow_lines(frame);
     find_free_distances(frame);
+    find_covered(frame);
     for (CachePoint* point : claimed)
         if (!point->exists) point->version = frame.lights.geometry_version();
 }
@@ -182,6 +194,34 @@ void PointPlacer::find_free_distances(const CacheFrame& frame)
             point->free[way] = open ? k_reach * h : hits_.t[r] * h;
             point->set_slope(way, open ? 0 : slope_of_end(frame, *point, way, hits_.object[r], hits_.triangle[r]));
         }
+    }
+}
+
+// Finds points that other geometry covers, as one tile does the next: what arrives there is not what arrives at the
+// surface around. Lattice points do not exist there.
+void PointPlacer::find_covered(const CacheFrame& frame)
+{
+    constexpr float k_up = 0.6f, k_aside = 0.8f;
+    constexpr std::size_t k_directions = 5;
+    for (CachePoint* point : placed_)
+        if (point->exists) covering_.push_back({point, k_covered_lattice * lattice_spacing(point->key)});
+    rays_.clear();
+    for (const Covering& c : covering_) {
+        const glm::vec3 &n = c.point->geometric_normal, from = c.point->position + c.point->lift * n;
+        glm::vec3 t, b;
+        make_basis(n, t, b);
+        for (const glm::vec3& d :
+             {n, k_up * n + k_aside * t, k_up * n - k_aside * t, k_up * n + k_aside * b, k_up * n - k_aside * b})
+            rays_.push(from, 0, d, c.reach);
+    }
+    occluded_.resize(rays_.size() + ray::k_packet_pad);
+    frame.rays->occluded(rays_, 0, rays_.size(), occluded_.data(), ray::Against::static_only);
+    for (std::size_t i = 0; i < covering_.size(); ++i) {
+        const std::uint8_t* const first = occluded_.data() + i * k_directions;
+        const bool covered = std::all_of(first, first + k_directions, [](std::uint8_t o) { return o != 0; });
+        CachePoint& point = *covering_[i].point;
+        point.covered = covered;
+        if (covered && is_lattice(point.key)) point.exists = false;
     }
 }
 

@@ -30,11 +30,18 @@ class PointPlacer {
     void follow_lines(const CacheFrame& frame);
     bool accept_hit(const CacheFrame& frame, Search& search, std::size_t ray) const;
     void find_free_distances(const CacheFrame& frame);
+    void find_covered(const CacheFrame& frame);
 
     std::vector<Search> searching_;
+    struct Covering {
+        CachePoint* point;
+        float reach;
+    };
     std::vector<CachePoint*> placed_;   // new lattice points
+    std::vector<Covering> covering_;    // new points on static objects
     ray::RayQueue rays_;
     ray::Hits hits_;
+    std::vector<std::uint8_t> occluded_;
 };
 
 }   // namespace gnomon::irradiance_cache
