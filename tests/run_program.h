@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -90,10 +91,11 @@ class RunningProgram {
     RunningProgram& operator=(const RunningProgram&) = delete;
 
     void send(int signal) { ::kill(process_, signal); }
-    Outcome wait()
+    /// @param usage  what the program took, if not null
+    Outcome wait(struct rusage* usage = nullptr)
     {
         int status = 0;
-        ::waitpid(process_, &status, 0);
+        ::wait4(process_, &status, 0, usage);
         process_ = -1;
         return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), bytes_of(folder_ / "out"),
                 bytes_of(folder_ / "err")};
