@@ -228,6 +228,24 @@ TEST(Limits, KeysBeyondTheMemoryAreRefused)
     expect_failure(run({"info", folder / "scene.gltf", "--memory", "2"}), 3, "--memory");
 }
 
+TEST(Limits, GroupsAndMaterialsBeyondTheMemoryAreRefused)
+{
+    constexpr int k_names = 2000;   // 4.8 MB of groups, 3.6 MB of materials as they are kept
+    for (const std::string kind : {"g", "usemtl"}) {
+        const ScratchFolder folder;
+        std::ofstream obj(folder / "scene.obj"), mtl(folder / "scene.mtl");
+        obj << "mtllib scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n";
+        for (int i = 0; i < k_names; ++i) {
+            obj << kind << " n" << i << "\nf 1 2 3\n";
+            mtl << "newmtl n" << i << "\nKd 1 0 0\n";
+        }
+        obj.close(), mtl.close();
+        EXPECT_EQ(run({"info", folder / "scene.obj"}).code, 0) << kind;
+        expect_failure(run({"info", folder / "scene.obj", "--memory", "3"}), 3,
+                       kind == "g" ? "its groups would take more memory" : "its materials would take more memory");
+    }
+}
+
 TEST(Limits, TimePasses)
 {
     const ScratchFolder folder;

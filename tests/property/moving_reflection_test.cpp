@@ -193,7 +193,7 @@ TEST(MovingReflections, OfManyPiecesAreThatOfTheWhole)
                 static_cast<double>(whole), static_cast<double>(without), k_pieces * k_pieces,
                 static_cast<double>(parts), static_cast<double>(parts_without));
     EXPECT_GT(whole, 1.02f * without) << "the board gives off nothing that shows";
-    EXPECT_NEAR(parts - parts_without, whole - without, 0.1f * (whole - without));
+    EXPECT_NEAR(parts - parts_without, whole - without, 0.03f * (whole - without));
     EXPECT_EQ(parts, turned) << "the pieces' numbers matter";
 }
 
