@@ -111,11 +111,11 @@ inline Outcome run(const std::vector<std::string>& arguments, const Environment&
     return RunningProgram(arguments, environment).wait();
 }
 
-/// Waits for a condition, at most 30 seconds (times k_patience).
+/// Waits for a condition, at most two minutes (times k_patience): on a busy machine, a frame can take one.
 template <class Condition>
 bool wait_until(const Condition& condition)
 {
-    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(30 * k_patience);
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(120 * k_patience);
     while (!condition()) {
         if (std::chrono::steady_clock::now() > limit) return false;
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
