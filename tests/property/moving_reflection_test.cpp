@@ -139,7 +139,7 @@ TEST_P(MovingReflection, FollowsTheBoardAsIfNew)
     }
 }
 
-// The same board as a file has it, in pieces x pieces below one animated node, before a floor and under the studio.
+// The same board as a file has it, in pieces x pieces below one animated node, before a floor and under an even sky.
 Scene in_pieces(int pieces, const char* color, bool from_the_last)
 {
     const test::ScratchFolder folder;
@@ -175,7 +175,9 @@ Scene in_pieces(int pieces, const char* color, bool from_the_last)
                      {"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}],
         "animations":[{"channels":[{"sampler":0,"target":{"node":1,"path":"translation"}}],
                        "samplers":[{"input":1,"output":2}]}]})";
-    return load((folder / "scene.gltf").string());
+    SceneBuilder builder(load((folder / "scene.gltf").string()));
+    builder.environment({.width = 16, .height = 8, .pixels = std::vector(16 * 8 * 3, 1.0f)});
+    return builder.finish();
 }
 
 // Of more objects than places, some stand for all; which ones does not depend on their numbers.

@@ -36,7 +36,7 @@ std::uint64_t peak_of_decoding(const Bytes& file)
     if (::pipe(ends) != 0) return 0;
     const pid_t child = ::fork();
     if (child == 0) {
-        ::malloc_trim(0);   // memory that is free, but held, would not be seen
+        ::malloc_trim(0);                                // memory that is free, but held, would not be seen
         std::ofstream("/proc/self/clear_refs") << "5";   // the peak begins here
         const std::uint64_t before = status("VmRSS");
         {
