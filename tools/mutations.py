@@ -247,7 +247,7 @@ MUTATIONS = (
     # ---- patches
     row("chosen-without-weight", "patches", "the objects that stand for others give off their own light alone",
         "src/patches/dynamic_reflection.cpp", "static_cast<double>(count) * step / of.area", "1.0",
-        "property:MovingReflections.*"),
+        "unit:DynamicReflection.*"),
     row("links-weight", "patches", "light between patches is 3 % too strong",
         "src/patches/patch_links.cpp", "constexpr float k_weight = 1 / static_cast<float>(PatchLinks::k_rays);",
         "constexpr float k_weight = 1.03f / static_cast<float>(PatchLinks::k_rays);",

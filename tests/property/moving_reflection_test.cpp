@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Dynamic objects give off light of every kind: of the sky, of emissive surfaces, and light that has bounced before;
 // against the path-traced reference, in absolute units.
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cstdio>
-#include <fstream>
 #include <numbers>
 
 #include "base/bits.h"
 #include "gnomon/gnomon.h"
-#include "support.h"
 
 namespace gnomon {
 namespace {
@@ -137,66 +133,6 @@ TEST_P(MovingReflection, FollowsTheBoardAsIfNew)
         const auto a = now.layers.front().values(), b = alone.layers.front().values();
         EXPECT_TRUE(same_bits(std::vector(a.begin(), a.end()), std::vector(b.begin(), b.end()))) << x;
     }
-}
-
-// The same board as a file has it, in pieces x pieces below one animated node, before a floor and under an even sky.
-Scene in_pieces(int pieces, const char* color, bool from_the_last)
-{
-    const test::ScratchFolder folder;
-    const std::array<float, 26> numbers{-0.5f, 0,    -0.5f, 0.5f, 0,    0.5f, 0.5f, 0, -0.5f, -0.5f, 0, -0.5f, -0.5f,
-                                        0,     0.5f, 0.5f,  0,    0.5f, 0,    1,    0, 0,     0,     0, 0,     0};
-    std::ofstream(folder / "numbers.bin", std::ios::binary)
-        .write(reinterpret_cast<const char*>(numbers.data()), sizeof numbers);
-    std::string children, nodes;
-    for (int i = 0; i < pieces * pieces; ++i) {
-        const int piece = from_the_last ? pieces * pieces - 1 - i : i;
-        const double x = (piece % pieces + 0.5) / pieces - 0.5, z = (piece / pieces + 0.5) / pieces - 0.5;
-        children += fmt::format("{}{}", i == 0 ? "" : ",", 4 + i);
-        nodes +=
-            fmt::format(R"(,{{"mesh":1,"translation":[{},0,{}],"scale":[{},1,{}]}})", x, z, 1.0 / pieces, 1.0 / pieces);
-    }
-    constexpr double k_half = 0.70710678118654752;
-    std::ofstream(folder / "scene.gltf")
-        << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1,3]}],"nodes":[{"mesh":0,"scale":[8,1,8]},)"
-        << R"({"children":[2]},{"translation":[0,0.751,-0.5],"rotation":[)" << k_half << ",0,0," << k_half
-        << R"(],"scale":[2,1,1.5],"children":[)" << children
-        << R"(]},{"camera":0,"translation":[0,1.2,0.9],"rotation":[-0.42,0,0,0.9075]})" << nodes
-        << R"(],"cameras":[{"type":"perspective","perspective":{"yfov":0.7,"znear":0.01}}],
-        "materials":[{"doubleSided":true,"pbrMetallicRoughness":{"baseColorFactor":[0.5,0.5,0.5,1]}},
-                     {"doubleSided":true,"pbrMetallicRoughness":{"baseColorFactor":)"
-        << color << R"(}}],
-        "meshes":[{"primitives":[{"attributes":{"POSITION":0},"material":0}]},
-                  {"primitives":[{"attributes":{"POSITION":0},"material":1}]}],
-        "buffers":[{"uri":"numbers.bin","byteLength":104}],
-        "bufferViews":[{"buffer":0,"byteLength":72},{"buffer":0,"byteOffset":72,"byteLength":8},
-                       {"buffer":0,"byteOffset":80,"byteLength":24}],
-        "accessors":[{"bufferView":0,"componentType":5126,"count":6,"type":"VEC3","min":[-0.5,0,-0.5],"max":[0.5,0,0.5]},
-                     {"bufferView":1,"componentType":5126,"count":2,"type":"SCALAR","min":[0],"max":[1]},
-                     {"bufferView":2,"componentType":5126,"count":2,"type":"VEC3"}],
-        "animations":[{"channels":[{"sampler":0,"target":{"node":1,"path":"translation"}}],
-                       "samplers":[{"input":1,"output":2}]}]})";
-    SceneBuilder builder(load((folder / "scene.gltf").string()));
-    builder.environment({.width = 16, .height = 8, .pixels = std::vector(16 * 8 * 3, 1.0f)});
-    return builder.finish();
-}
-
-// Of more objects than places, some stand for all; which ones does not depend on their numbers.
-TEST(MovingReflections, OfManyPiecesAreThatOfTheWhole)
-{
-    constexpr int k_pieces = 33;
-    const RenderOptions options = options_of(32);
-    const auto floor = [&](int pieces, const char* color, bool from_the_last = false) {
-        return floor_of(Renderer(options).render(in_pieces(pieces, color, from_the_last), 1)).x;
-    };
-    const char *const red = "[0.9,0.1,0.1,1]", *const black = "[0,0,0,1]";
-    const float whole = floor(1, red), without = floor(1, black), parts = floor(k_pieces, red),
-                parts_without = floor(k_pieces, black), turned = floor(k_pieces, red, true);
-    std::printf("floor before a red board: %.4f, a black one %.4f; in %d pieces %.4f and %.4f\n",
-                static_cast<double>(whole), static_cast<double>(without), k_pieces * k_pieces,
-                static_cast<double>(parts), static_cast<double>(parts_without));
-    EXPECT_GT(whole, 1.02f * without) << "the board gives off nothing that shows";
-    EXPECT_NEAR(parts - parts_without, whole - without, 0.03f * (whole - without));
-    EXPECT_EQ(parts, turned) << "the pieces' numbers matter";
 }
 
 INSTANTIATE_TEST_SUITE_P(EachLight, MovingReflection, testing::Values(Source::sky, Source::panel, Source::bounced),
