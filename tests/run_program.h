@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -90,10 +91,11 @@ class RunningProgram {
     RunningProgram& operator=(const RunningProgram&) = delete;
 
     void send(int signal) { ::kill(process_, signal); }
-    Outcome wait()
+    /// @param usage  what the program took, if not null
+    Outcome wait(struct rusage* usage = nullptr)
     {
         int status = 0;
-        ::waitpid(process_, &status, 0);
+        ::wait4(process_, &status, 0, usage);
         process_ = -1;
         return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), bytes_of(folder_ / "out"),
                 bytes_of(folder_ / "err")};
@@ -109,11 +111,11 @@ inline Outcome run(const std::vector<std::string>& arguments, const Environment&
     return RunningProgram(arguments, environment).wait();
 }
 
-/// Waits for a condition, at most 30 seconds (times k_patience).
+/// Waits for a condition, at most two minutes (times k_patience): on a busy machine, a frame can take one.
 template <class Condition>
 bool wait_until(const Condition& condition)
 {
-    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(30 * k_patience);
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(120 * k_patience);
     while (!condition()) {
         if (std::chrono::steady_clock::now() > limit) return false;
         std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -245,6 +245,9 @@ MUTATIONS = (
         "glm::length(s.centre - all.centre) + s.radius);", "glm::length(s.centre - all.centre));",
         "unit:MovingSpheres.*"),
     # ---- patches
+    row("chosen-without-weight", "patches", "the objects that stand for others give off their own light alone",
+        "src/patches/dynamic_reflection.cpp", "static_cast<double>(count) * step / of.area", "1.0",
+        "unit:DynamicReflection.*"),
     row("links-weight", "patches", "light between patches is 3 % too strong",
         "src/patches/patch_links.cpp", "constexpr float k_weight = 1 / static_cast<float>(PatchLinks::k_rays);",
         "constexpr float k_weight = 1.03f / static_cast<float>(PatchLinks::k_rays);",
@@ -422,6 +425,9 @@ MUTATIONS = (
         "return {adjustment / 2 * (1 - k.tension) * (1 + k.continuity) * (1 - k.bias),\n"
         "            adjustment / 2 * (1 - k.tension) * (1 - k.continuity) * (1 + k.bias)};", "unit:AffTrack.*"),
     # ---- image
+    row("coefficients-forgotten", "io/image", "the coefficients of a progressive JPEG do not count as memory",
+        "src/io/image/read.cpp", "if (jpeg_has_multiple_scans(&info))", "if (!jpeg_has_multiple_scans(&info))",
+        "unit:ImageNeeds.*"),
     row("neutral-desaturation", "image", "the neutral tone map desaturates three times as much",
         "src/image/tone_map.cpp", "constexpr float desaturation = 0.15f;", "constexpr float desaturation = 0.5f;",
         "unit:ToneMap.*"),
@@ -445,6 +451,13 @@ MUTATIONS = (
         "src/image/image_metrics.cpp", "return 10 * std::log10(peak * peak / mse);",
         "return 10 * std::log10(peak / std::sqrt(mse));", "unit:Metrics.*"),
     # ---- scene
+    row("moment-forgotten", "scene", "memory that is needed for a moment is not counted",
+        "src/scene/memory_budget.cpp", "const std::uint64_t left = bytes_ - taken_ - bytes;",
+        "const std::uint64_t left = bytes_ - taken_;", "unit:MemoryBudget.*"),
+    row("made-too-fine", "scene", "textures are made finer than they may stay",
+        "src/scene/memory_budget.cpp", "const int halvings = entries_[texture].halvings;",
+        "const int halvings = entries_[texture].halvings / 2;",
+        "unit:MemoryBudget.*"),
     row("tangent-without-span", "scene", "the out-tangent of a cubic spline is not scaled by the time between keys",
         "src/scene/keyframe_track.cpp", "out0 * (span * (u3 - 2 * u2 + u))", "out0 * (u3 - 2 * u2 + u)",
         "unit:KeyframeTrack.*:KeyframeWeights.*"),

@@ -86,8 +86,32 @@ void DynamicReflection::choose_places(Surface& surface, std::size_t wanted)
     }
 }
 
+// Of more objects than places, chooses those on which equal steps of area end, in an order that does not depend on
+// their numbers.
+std::vector<DynamicReflection::Chosen> DynamicReflection::choose_objects(std::vector<Measured> objects, double all)
+{
+    std::ranges::sort(objects, [](const Measured& a, const Measured& b) {
+        for (const int column : {3, 0, 1, 2})
+            for (int row = 0; row < 3; ++row)
+                if (a.matrix[column][row] != b.matrix[column][row])
+                    return a.matrix[column][row] < b.matrix[column][row];
+        return a.area < b.area;
+    });
+    const double step = all / static_cast<double>(k_places_in_all);
+    std::vector<Chosen> chosen;
+    double sum = 0;
+    std::size_t next = 0;
+    for (const Measured& of : objects) {
+        sum += of.area;
+        std::size_t count = 0;
+        while (next < k_places_in_all && (static_cast<double>(next) + 0.5) * step < sum) ++next, ++count;
+        if (count > 0) chosen.push_back({of.object, count, static_cast<double>(count) * step / of.area});
+    }
+    return chosen;
+}
+
 void DynamicReflection::add_places(const scene::SceneState& state, const ray::RayScene& rays, scene::ObjectId object,
-                                   const std::vector<Place>& places)
+                                   const std::vector<Place>& places, float weight)
 {
     const ray::ObjectGeometry& geometry = rays.geometry(object);
     for (std::uint32_t k = 0; k < places.size(); ++k) {
@@ -101,7 +125,7 @@ void DynamicReflection::add_places(const scene::SceneState& state, const ray::Ra
         if (place.front == geometry.mirrored) normal = -normal;
         const glm::vec3 position = (1 - place.u - place.v) * p[0] + place.u * p[1] + place.v * p[2];
         reflectors_.push_back({object, position, normal, position + ray::origin_lift(p) * normal, glm::vec3(0),
-                               place.share * static_cast<float>(area_of(p)), k});
+                               weight * place.share * static_cast<float>(area_of(p)), k});
         albedo_.push_back(lighting::albedo(state.scene(), geometry, place.triangle, place.u, place.v));
     }
 }
@@ -116,21 +140,28 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
     const std::size_t of_group = std::clamp(k_places_in_all / groups.size(), k_least_places, k_places);
     for (const std::vector<scene::ObjectId>& group : groups) {
         // Divide the group's places by the objects' areas.
-        std::vector<std::pair<scene::ObjectId, double>> areas;
+        std::vector<Measured> areas;
         double all = 0;
         for (const scene::ObjectId o : group) {
             if (!state.object_visible(o)) continue;
-            const glm::dmat3 turn(state.object_matrix(o));
-            const double scale = std::cbrt(std::abs(glm::determinant(turn)));
-            areas.emplace_back(o, surface_of(state, rays, o).area * scale * scale);
-            all += areas.back().second;
+            const glm::mat4 matrix = state.object_matrix(o);
+            const double scale = std::cbrt(std::abs(glm::determinant(glm::dmat3(matrix))));
+            areas.push_back({matrix, o, surface_of(state, rays, o).area * scale * scale});
+            all += areas.back().area;
         }
-        for (const auto& [o, area] : areas) {
+        if (areas.size() > k_places_in_all) {
+            for (const Chosen& one : choose_objects(std::move(areas), all)) {
+                choose_places(surfaces_[one.object], one.places);
+                add_places(state, rays, one.object, surfaces_[one.object].places, static_cast<float>(one.weight));
+            }
+            continue;
+        }
+        for (const auto& [matrix, o, area] : areas) {
             if (!(area > 0)) continue;
             Surface& surface = surfaces_[o];
             const double wanted = std::round(area / all * static_cast<double>(of_group));
             choose_places(surface, std::max<std::size_t>(static_cast<std::size_t>(wanted), 1));
-            add_places(state, rays, o, surface.places);
+            add_places(state, rays, o, surface.places, 1);
         }
     }
     irradiance_.assign(reflectors_.size(), glm::vec3(0));

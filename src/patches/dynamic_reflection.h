@@ -10,7 +10,8 @@
 // another is left out.
 //
 // The result is a function of the present state. Cost: 8 rays and one for each emissive surface, for each place, of
-// which there are 64 of objects that move together and 1,024 of all.
+// which there are 64 of objects that move together and 1,024 of all, but at least one of each object. Of more than
+// 1,024 objects that move together, 1,024 at most stand for all.
 
 #include <vector>
 
@@ -43,6 +44,21 @@ class DynamicReflection {
     /// @param groups  those that occlude light, by what moves together; some may be hidden
     std::vector<Reflector> gather(const scene::SceneState& state, const ray::RayScene& rays,
                                   std::span<const std::vector<scene::ObjectId>> groups, const Light& light);
+    struct Measured {
+        glm::mat4 matrix;
+        scene::ObjectId object;
+        double area;
+    };
+    /// An object that stands for others as well: `weight` times its own area.
+    struct Chosen {
+        scene::ObjectId object;
+        std::size_t places;
+        double weight;
+    };
+    /// Of more objects than places, chooses those on which equal steps of area end, in an order that does not depend on
+    /// their numbers. Their areas, times their weights, are `all`.
+    static std::vector<Chosen> choose_objects(std::vector<Measured> objects, double all);
+
     /// Drops what is kept of the objects' meshes. Call where meshes or materials may be others.
     void forget() { surfaces_.clear(); }
 
@@ -65,7 +81,7 @@ class DynamicReflection {
     Surface& surface_of(const scene::SceneState& state, const ray::RayScene& rays, scene::ObjectId object);
     static void choose_places(Surface& surface, std::size_t wanted);
     void add_places(const scene::SceneState& state, const ray::RayScene& rays, scene::ObjectId object,
-                    const std::vector<Place>& places);
+                    const std::vector<Place>& places, float weight);
     void light_by_patches(const scene::SceneState& state, const ray::RayScene& rays, const Light& light);
     void light_by_emission(const ray::RayScene& rays, const Light& light);
 

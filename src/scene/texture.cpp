@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/interruption.h"
+#include "scene/reduced_image.h"
 
 namespace gnomon::scene {
 
@@ -60,65 +60,17 @@ float reduce(float x, Wrap wrap)
     return p[3] * scale;
 }
 
-std::uint8_t encode8(float value, bool srgb)
-{
-    const float encoded = srgb ? srgb_from_linear(value) : value;
-    return static_cast<std::uint8_t>(std::clamp(encoded * 255.0f + 0.5f, 0.0f, 255.0f));
-}
-
-// Halves an image with a box filter in linear light; an odd last row or column is merged with its neighbour. Colour is
-// weighted by alpha, so that transparent texels do not bleed into it.
-Image8 half(const Image8& fine, bool srgb)
-{
-    Image8 coarse(std::max(1, fine.width / 2), std::max(1, fine.height / 2), 4);
-    for (int y = 0; y < coarse.height; ++y) {
-        interruption_point();
-        const int y0 = y * fine.height / coarse.height;
-        const int y1 = std::max(y0 + 1, (y + 1) * fine.height / coarse.height);
-        for (int x = 0; x < coarse.width; ++x) {
-            const int x0 = x * fine.width / coarse.width;
-            const int x1 = std::max(x0 + 1, (x + 1) * fine.width / coarse.width);
-            glm::vec3 weighted(0), plain(0);
-            float alpha = 0;
-            for (int j = y0; j < y1; ++j)
-                for (int i = x0; i < x1; ++i) {
-                    const glm::vec4 texel = decode(fine.pixel(i, j), srgb);
-                    weighted += glm::vec3(texel) * texel.w;
-                    plain += glm::vec3(texel);
-                    alpha += texel.w;
-                }
-            const float count = static_cast<float>((y1 - y0) * (x1 - x0));
-            const glm::vec3 color = alpha > 0 ? weighted / alpha : plain / count;
-            std::uint8_t* out = coarse.pixel(x, y);
-            for (int c = 0; c < 3; ++c) out[c] = encode8(color[c], srgb);
-            out[3] = encode8(alpha / count, false);
-        }
-    }
-    return coarse;
-}
-
 }   // namespace
 
 Texture::Texture(std::string name, const Image8& image, bool srgb, Sampler sampler)
     : name_(std::move(name)), sampler_(sampler), srgb_(srgb)
 {
-    GNOMON_CHECK(!image.empty());
-    GNOMON_CHECK(image.channels >= 1 && image.channels <= 4);
-
-    // Convert to RGBA.
-    Image8 base(image.width, image.height, 4);
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) {
-            const std::uint8_t* in = image.pixel(x, y);
-            std::uint8_t* out = base.pixel(x, y);
-            const bool grey = image.channels <= 2;
-            for (int c = 0; c < 3; ++c) out[c] = grey ? in[0] : in[c];
-            out[3] = image.channels == 2 ? in[1] : image.channels == 4 ? in[3] : 255;
-            has_alpha_ = has_alpha_ || out[3] != 255;
-        }
-    levels_.push_back(std::move(base));
+    levels_.push_back(reduced_rgba(image, srgb, 0));
+    const std::vector<std::uint8_t>& finest = levels_.front().data;
+    for (std::size_t i = 3; i < finest.size() && !has_alpha_; i += 4) has_alpha_ = finest[i] != 255;
     if (sampler.mipmaps)
-        while (levels_.back().width > 1 || levels_.back().height > 1) levels_.push_back(half(levels_.back(), srgb));
+        while (levels_.back().width > 1 || levels_.back().height > 1)
+            levels_.push_back(reduced_rgba(levels_.back(), srgb, 1));
 }
 
 std::size_t Texture::bytes() const

@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "io/image/image_file.h"
+#include "image_bytes.h"
 #include "run_program.h"
 
 namespace gnomon::test {
@@ -98,42 +98,108 @@ TEST(Limits, AskWhichFramesOfALongClip)
     EXPECT_EQ(names_in(folder.path()).size(), 4u);
 }
 
-TEST(Limits, TexturesBeyondTheMemoryAreHalved)
+// Triangles with a grey PNG each, as a glTF file or as an OBJ file. Rows repeat, so that large images take little time
+// to write.
+fs::path textured_scene(const ScratchFolder& folder, int images, int side, bool obj = false)
 {
-    constexpr int k_side = 400, k_images = 6;   // .85 MB each, with their coarser levels
-    const ScratchFolder folder;
-    std::string images, textures, materials, meshes, nodes, roots;
-    for (int i = 0; i < k_images; ++i) {
-        Image8 image(k_side, k_side, 1);
-        for (std::size_t k = 0; k < image.data.size(); ++k) image.data[k] = static_cast<std::uint8_t>(k * 7 + k / 400);
-        image.data[0] = static_cast<std::uint8_t>(i);
-        io::write_png(folder / fmt::format("{}.png", i), image);
+    test::PngKind kind{.width = side, .height = side, .depth = 8, .type = PNG_COLOR_TYPE_GRAY};
+    std::vector<std::uint8_t> row(static_cast<std::size_t>(side));
+    std::string uris, textures, materials, meshes, nodes, roots, mtl,
+        faces =
+            "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n"
+            "vt 1 0\nvt 0 1\n";
+    for (int i = 0; i < images; ++i) {
+        for (std::size_t k = 0; k < row.size(); ++k)
+            row[k] = static_cast<std::uint8_t>(k * 7 + static_cast<std::size_t>(i));
+        const std::vector<std::uint8_t> png = test::png_bytes(kind, {row});
+        std::ofstream(folder / fmt::format("{}.png", i), std::ios::binary)
+            .write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
         const char* const comma = i > 0 ? "," : "";
-        images += fmt::format(R"({}{{"uri":"{}.png"}})", comma, i);
+        uris += fmt::format(R"({}{{"uri":"{}.png"}})", comma, i);
         textures += fmt::format(R"({}{{"source":{}}})", comma, i);
         materials += fmt::format(R"({}{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":{}}}}}}})", comma, i);
         meshes += fmt::format(R"({}{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"material":{}}}]}})",
                               comma, i);
         nodes += fmt::format(R"({}{{"mesh":{}}})", comma, i);
         roots += fmt::format("{}{}", comma, i);
+        mtl += fmt::format("newmtl m{0}\nmap_Kd {0}.png\n", i);
+        faces += fmt::format("usemtl m{}\nf 1/1 2/2 3/3\n", i);
     }
+    std::ofstream(folder / "scene.mtl") << mtl;
+    std::ofstream(folder / "scene.obj") << "mtllib scene.mtl\n" << faces;
     constexpr std::array<float, 15> k_numbers{0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1};
     std::ofstream(folder / "numbers.bin", std::ios::binary)
         .write(reinterpret_cast<const char*>(k_numbers.data()), sizeof k_numbers);
     std::ofstream(folder / "scene.gltf") << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[)" << roots
                                          << R"(]}],"nodes":[)" << nodes << R"(],"meshes":[)" << meshes
                                          << R"(],"materials":[)" << materials << R"(],"textures":[)" << textures
-                                         << R"(],"images":[)" << images
+                                         << R"(],"images":[)" << uris
                                          << R"(],"buffers":[{"uri":"numbers.bin","byteLength":60}],
         "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":24}],
         "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
                      {"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}]})";
-    const Outcome whole = run({"info", folder / "scene.gltf"}),
-                  halved = run({"info", folder / "scene.gltf", "--memory", "2"});
+    return folder / (obj ? "scene.obj" : "scene.gltf");
+}
+
+// Runs the program in a process of its own, and measures the most memory that it takes, in megabytes.
+std::pair<Outcome, double> run_and_measure(const std::vector<std::string>& arguments)
+{
+    RunningProgram program(arguments);
+    struct rusage usage {};
+    Outcome outcome = program.wait(&usage);
+    return {std::move(outcome), static_cast<double>(usage.ru_maxrss) / 1024};
+}
+
+TEST(Limits, TexturesBeyondTheMemoryAreHalved)
+{
+    const ScratchFolder folder;
+    const fs::path scene = textured_scene(folder, 6, 400);   // .85 MB each, with their coarser levels
+    const Outcome whole = run({"info", scene}), halved = run({"info", scene, "--memory", "2"});
     EXPECT_EQ(whole.code, 0) << whole.err;
     EXPECT_EQ(whole.err.find("halved"), std::string::npos) << whole.err;
     EXPECT_EQ(halved.code, 0) << halved.err;
     EXPECT_NE(halved.err.find("textures were halved"), std::string::npos) << halved.err;
+}
+
+TEST(Limits, LoadingNeverTakesMoreThanTheMemory)
+{
+    if (k_sanitized) GTEST_SKIP() << "the sanitizer needs memory itself";
+    constexpr int k_images = 8, k_side = 2000;   // 21 MB each as a texture
+    for (const bool obj : {false, true}) {
+        const ScratchFolder folder;
+        const fs::path scene = textured_scene(folder, k_images, k_side, obj);
+        const double none = run_and_measure({"info", "builtin:cornell"}).second;
+        const auto [whole, whole_took] = run_and_measure({"info", scene});
+        EXPECT_EQ(whole.code, 0) << whole.err;
+        EXPECT_EQ(whole.err.find("halved"), std::string::npos) << whole.err;
+        EXPECT_GT(whole_took, none + 8 * 20) << "the measurement misses memory";
+        constexpr int k_limit = 80;
+        const auto [halved, took] = run_and_measure({"info", scene, "--memory", fmt::format("{}", k_limit)});
+        std::printf("%s: %.1f MB, with a limit of %d MB %.1f MB, beside %.1f MB of the program\n",
+                    scene.extension().c_str(), whole_took - none, k_limit, took - none, none);
+        EXPECT_EQ(halved.code, 0) << halved.err;
+        EXPECT_NE(halved.err.find("halved"), std::string::npos) << halved.err;
+        constexpr double k_allocator = 4;   // what malloc holds back
+        EXPECT_LT(took, none + k_limit + k_allocator);
+        // An image that cannot be decoded within the limit is refused, before it takes memory.
+        const auto [refused, refused_took] = run_and_measure({"info", scene, "--memory", "3"});
+        expect_failure(refused, 3, "--memory");
+        EXPECT_LT(refused_took, none + 3);
+    }
+}
+
+TEST(LimitsFull, EightImagesOf8000x8000StayWithinTheMemory)
+{
+    const ScratchFolder folder;
+    const fs::path scene = textured_scene(folder, 8, 8000);   // 341 MB each as a texture
+    for (const auto& arguments :
+         {std::vector<std::string>{"info", scene}, {"render", scene, "-o", folder / "a.png", "--size", "64x64"}}) {
+        const auto [outcome, took] = run_and_measure(arguments);
+        std::printf("%s: %.0f MB\n", arguments.front().c_str(), took);
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        EXPECT_NE(outcome.err.find("3 textures were halved"), std::string::npos) << outcome.err;
+        EXPECT_LT(took, 2048);
+    }
 }
 
 TEST(Limits, KeysBeyondTheMemoryAreRefused)
@@ -160,6 +226,24 @@ TEST(Limits, KeysBeyondTheMemoryAreRefused)
         4 * numbers.size(), 16 * k_keys, 4 * k_keys, 12 * k_keys, k_keys, k_keys - 1);
     EXPECT_EQ(run({"info", folder / "scene.gltf"}).code, 0);
     expect_failure(run({"info", folder / "scene.gltf", "--memory", "2"}), 3, "--memory");
+}
+
+TEST(Limits, GroupsAndMaterialsBeyondTheMemoryAreRefused)
+{
+    constexpr int k_names = 2000;   // 4.8 MB of groups, 3.6 MB of materials as they are kept
+    for (const std::string kind : {"g", "usemtl"}) {
+        const ScratchFolder folder;
+        std::ofstream obj(folder / "scene.obj"), mtl(folder / "scene.mtl");
+        obj << "mtllib scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n";
+        for (int i = 0; i < k_names; ++i) {
+            obj << kind << " n" << i << "\nf 1 2 3\n";
+            mtl << "newmtl n" << i << "\nKd 1 0 0\n";
+        }
+        obj.close(), mtl.close();
+        EXPECT_EQ(run({"info", folder / "scene.obj"}).code, 0) << kind;
+        expect_failure(run({"info", folder / "scene.obj", "--memory", "3"}), 3,
+                       kind == "g" ? "its groups would take more memory" : "its materials would take more memory");
+    }
 }
 
 TEST(Limits, TimePasses)

@@ -98,11 +98,12 @@ if [[ -n ${PACKAGE:-} ]]; then
 else
     # Build without a compiler cache, because it would compare the first build with itself.
     export CCACHE_DISABLE=1
-    SOURCE_DATE_EPOCH=$(git -C "$source_folder" log -1 --format=%ct)
+    commit=$(git -C "$source_folder" rev-parse HEAD)   # for both builds, even if somebody commits in between
+    SOURCE_DATE_EPOCH=$(git -C "$source_folder" log -1 --format=%ct "$commit")
     export SOURCE_DATE_EPOCH
     for build in first another/name; do
         mkdir -p "$scratch/$build"
-        git -C "$source_folder" archive HEAD | tar -x -C "$scratch/$build"
+        git -C "$source_folder" archive "$commit" | tar -x -C "$scratch/$build"
         (cd "$scratch/$build" && ./dev package >"$scratch/log" 2>&1) || { tail -n 20 "$scratch/log"; fail "./dev package"; }
         cp "$scratch/$build"/build/package/gnomon_*.deb "$scratch/$(basename "$build").deb"
         sha256sum "$scratch/$(basename "$build").deb"

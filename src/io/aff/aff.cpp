@@ -15,7 +15,6 @@
 #include "gnomon/error.h"
 #include "io/aff/mesh.h"
 #include "io/file/read_file.h"
-#include "io/image/image_file.h"
 #include "io/load.h"
 
 namespace gnomon::io {
@@ -160,7 +159,7 @@ scene::TextureId Reader::texture(AffTokens& tokens, const AffToken& name)
     texture_bytes_ += bytes.size();
     if (bytes.size() < 2 || bytes[0] != 'P' || bytes[1] != '6')
         throw InputError(shown_as, "", "not a binary PPM image");
-    place->second = builder_.add_texture(utf8_from_latin1(name.text), decode_image(bytes, shown_as));
+    place->second = builder_.add_texture(utf8_from_latin1(name.text), bytes, shown_as);
     return place->second;
 }
 

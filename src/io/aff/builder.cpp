@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "io/aff/mesh.h"
+#include "io/image/image_file.h"
 
 namespace gnomon::io {
 
@@ -63,11 +64,16 @@ std::uint32_t AffBuilder::current_material()
     return current_;
 }
 
-scene::TextureId AffBuilder::add_texture(const std::string& name, const Image8& image)
+scene::TextureId AffBuilder::add_texture(const std::string& name, std::span<const std::uint8_t> file,
+                                         const std::string& shown_as)
 {
-    scene_.textures.emplace_back(name, image, true, scene::Sampler{});
-    memory_.fit(scene_.textures);
-    return static_cast<scene::TextureId>(scene_.textures.size() - 1);
+    const ImageNeeds needs = image_needs(file, shown_as);
+    const scene::MemoryBudget::Expected expected = memory_.expect(needs.width, needs.height);
+    memory_.make_room(needs.bytes + file.size(), scene_.textures, {shown_as, "", "the texture"});
+    const auto id = static_cast<scene::TextureId>(scene_.textures.size());
+    scene_.textures.push_back(memory_.make(expected, name, decode_image(file, shown_as), true, scene::Sampler{}));
+    memory_.made(expected, id);
+    return id;
 }
 
 scene::MaterialId AffBuilder::material(scene::TextureId texture)

@@ -9,6 +9,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -50,7 +51,10 @@ class AffBuilder {
     void set_material(const scene::Material& material);
     /// A number that is equal for equal materials, ignoring textures.
     std::uint32_t current_material();
-    scene::TextureId add_texture(const std::string& name, const Image8& image);
+    /// Adds the texture of an image file.
+    /// @param shown_as  the file's name in messages
+    scene::TextureId add_texture(const std::string& name, std::span<const std::uint8_t> file,
+                                 const std::string& shown_as);
 
     /// @param shape  the matrix; `largest_scale`: the largest factor by which it can lengthen a vector
     void open_static(const glm::dmat4& shape, double largest_scale);

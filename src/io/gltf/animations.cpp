@@ -65,7 +65,9 @@ std::string names_of(const std::vector<Clip>& clips)
 
 class Animations {
  public:
-    Animations(const Model& model, const Data& data, Context& context) : model_(model), data_(data), context_(context)
+    /// @param textures  which make room for keys
+    Animations(const Model& model, const Data& data, scene::SharedList<scene::Texture>& textures, Context& context)
+        : model_(model), data_(data), textures_(textures), context_(context)
     {
         keys_left_ = context.limits.geometry_bytes + context.limits.geometry_bytes_per_byte * data.total_bytes();
     }
@@ -273,7 +275,8 @@ class Animations {
         if (a.count > keys_left_ / each)
             context_.fail(at("/accessors", accessor), "animations have far more keys than the size of the file allows");
         keys_left_ -= a.count * each;
-        context_.memory.take(a.count * each, context_.file(), at("/accessors", accessor), "the keys of the animations");
+        context_.memory.take(a.count * each, textures_,
+                             {context_.file(), at("/accessors", accessor), "the keys of the animations"});
         std::vector<double> values;
         data_.read_double(a, values);
         return values;
@@ -319,6 +322,7 @@ class Animations {
 
     const Model& model_;
     const Data& data_;
+    scene::SharedList<scene::Texture>& textures_;
     Context& context_;
     std::uint64_t keys_left_ = 0;
     std::map<Index, std::pair<double, double>> spans_;   // by accessor of key times
@@ -404,7 +408,7 @@ scene::TransformParts rest_parts(const Node& node)
 void build_animations(const Model& model, const Data& data, const PartIds& ids, const Materials& materials,
                       const std::string& chosen, scene::Scene& out, Context& context)
 {
-    Animations animations(model, data, context);
+    Animations animations(model, data, out.textures, context);
     std::vector<Clip> clips;
     for (Index a = 0; a < model.animations.size(); ++a) clips.push_back(animations.clip(a, ids, materials));
     choose_clips(clips, chosen, context);

@@ -56,6 +56,9 @@ class Materials {
     const Image8& decoded_image(Index image);
     void decode(Index image, std::span<const std::uint8_t> bytes, std::uint64_t most_pixels);
     void release_images();
+    void make_room(std::uint64_t bytes, const std::string& pointer, const char* what);
+    scene::TextureId add_texture(std::string name, const Image8& image, bool srgb, const scene::Sampler& sampler,
+                                 bool without_alpha, std::uint64_t bytes, const std::string& pointer);
 
     const Model& model_;
     Data& data_;

@@ -72,14 +72,6 @@ std::string header_fault(std::span<const std::uint8_t> b)
     return {};
 }
 
-Image8 without_alpha(const Image8& image)
-{
-    Image8 result(image.width, image.height, image.channels - 1);
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) std::copy_n(image.pixel(x, y), result.channels, result.pixel(x, y));
-    return result;
-}
-
 // A use of a texture without the texture: which coordinates, and how they are transformed.
 scene::TextureUse place_of(const TextureInfo& info)
 {
@@ -198,6 +190,8 @@ void Materials::decode(Index index, std::span<const std::uint8_t> bytes, std::ui
     limits.stored_values = true;   // [glTF 2.0, 3.8.3]: colour space information in PNG files is ignored
     limits.max_pixels = std::min(limits.max_pixels, most_pixels);
     try {
+        const ImageNeeds needs = image_needs(bytes, here, limits);
+        make_room(needs.bytes + bytes.size(), here, "the image");
         image.image = decode_image(bytes, here, limits);
     } catch (const InputError& error) {
         context_.fail(here, error.problem());
@@ -215,13 +209,35 @@ const Image8& Materials::decoded_image(Index index)
     return image.image;
 }
 
+// Makes room for `bytes` that are needed for a moment beside the images that are decoded.
+void Materials::make_room(std::uint64_t bytes, const std::string& pointer, const char* what)
+{
+    context_.memory.make_room(decoded_bytes_ + bytes, out_.textures, {context_.file(), pointer, what});
+}
+
 // Releases decoded pixels if they have become many. Textures that were made of them keep their own.
 void Materials::release_images()
 {
-    constexpr std::uint64_t k_most = 256ull << 20;
+    constexpr std::uint64_t k_most = 16ull << 20;
     if (decoded_bytes_ <= k_most) return;
     for (auto& [index, image] : images_) image.image = {};
     decoded_bytes_ = 0;
+}
+
+// Makes a texture of an image, which is decoded or among `bytes` that are held for a moment.
+scene::TextureId Materials::add_texture(std::string name, const Image8& image, bool srgb, const scene::Sampler& sampler,
+                                        bool without_alpha, std::uint64_t bytes, const std::string& pointer)
+{
+    const auto id = static_cast<scene::TextureId>(out_.textures.size());
+    const scene::MemoryBudget::Expected expected = context_.memory.expect(image.width, image.height);
+    // Leaving out alpha takes a copy.
+    constexpr std::uint64_t k_rgba = 4;
+    const std::uint64_t copied =
+        without_alpha ? k_rgba * image.data.size() / static_cast<std::uint64_t>(image.channels) : 0;
+    make_room(bytes + copied, pointer, "the texture");
+    out_.textures.push_back(context_.memory.make(expected, std::move(name), image, srgb, sampler, without_alpha));
+    context_.memory.made(expected, id);
+    return id;
 }
 
 void Materials::check_unused()
@@ -295,10 +311,8 @@ scene::TextureUse Materials::use(const TextureInfo& info, bool srgb, bool alpha,
         std::string name = !texture.name.empty()  ? texture.name
                            : !source.name.empty() ? source.name
                                                   : fmt::format("image {}", texture.source);
-        made->second = static_cast<scene::TextureId>(out_.textures.size());
-        const Image8& pixels_of = decoded_image(texture.source);
-        out_.textures.emplace_back(std::move(name), drop_alpha ? without_alpha(pixels_of) : pixels_of, srgb, sampler);
-        context_.memory.fit(out_.textures);
+        made->second =
+            add_texture(std::move(name), decoded_image(texture.source), srgb, sampler, drop_alpha, 0, pointer);
     }
     result.texture = made->second;
     return result;
@@ -328,19 +342,19 @@ void Materials::use_glossiness(const Glossiness& g, bool alpha, const std::strin
     if (2 * pixels > pixels_left_)
         context_.fail(pointer, "the textures are far larger than the size of the file allows");
     pixels_left_ -= 2 * pixels;
-    ConvertedImages images = metallic_from_specular(first, second, diffuse, specular, g.glossiness);
+    constexpr std::uint64_t k_bytes_per_pixel = 4 + 3;   // of both results
+    make_room(k_bytes_per_pixel * pixels, pointer, "the texture");
+    const ConvertedImages images = metallic_from_specular(first, second, diffuse, specular, g.glossiness);
+    const std::uint64_t held = images.base_color.data.size() + images.metallic_roughness.data.size();
     const TextureInfo& shared = diffuse_image ? g.diffuse_texture : g.specular_texture;
     const auto add = [&](const char* name, const Image8& image, bool srgb) {
         scene::TextureUse result = place_of(shared);
-        result.texture = static_cast<scene::TextureId>(out_.textures.size());
-        out_.textures.emplace_back(name, image, srgb, sampler_for(shared));
-        context_.memory.fit(out_.textures);
+        result.texture =
+            add_texture(name, image, srgb, sampler_for(shared), !alpha && image.channels == 4, held, pointer);
         return result;
     };
-    const bool drop = !alpha && images.base_color.channels == 4;
     out.base_color = glm::vec3(1);
-    out.base_color_texture =
-        add("base colour of specular-glossiness", drop ? without_alpha(images.base_color) : images.base_color, true);
+    out.base_color_texture = add("base colour of specular-glossiness", images.base_color, true);
     out.metallic = out.roughness = 1;
     out.metallic_roughness_texture = add("metallic-roughness of specular-glossiness", images.metallic_roughness, false);
 }

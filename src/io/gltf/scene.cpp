@@ -323,7 +323,6 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
     Meshes meshes(model, data, materials, scene, context);
     build_scene(model, data, parent, meshes, materials, options.animation, scene, context);
     materials.check_unused();
-    context.memory.fit(scene.textures);
     if (const std::string halved = context.memory.warning(scene.textures); !halved.empty())
         context.warn("/images", halved);
     step(0.9);

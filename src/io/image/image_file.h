@@ -20,6 +20,16 @@ struct ImageLimits {
     bool stored_values = false;   // ignore gamma and colour space information in PNG files
 };
 
+/// What an image will be, and what decoding it takes beside the file's bytes: its pixels and the decoder's own memory.
+struct ImageNeeds {
+    int width = 0, height = 0, channels = 0;
+    std::uint64_t bytes = 0;
+};
+
+/// Reads the header of an image as decode_image() does, and takes no memory in proportion to its size.
+/// @throws InputError
+ImageNeeds image_needs(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits = {});
+
 /// Reads PNG, JPEG, WebP (still images) or binary PPM, recognised by content; 8 bits per channel (16-bit PNG is
 /// reduced); 1 to 4 channels.
 /// @throws InputError

@@ -28,6 +28,15 @@ void check_size(std::uint64_t width, std::uint64_t height, const std::string& na
         throw InputError(name, "", fmt::format("image of {} x {} pixels is larger than allowed", width, height));
 }
 
+// What an image needs whose decoder takes `more` bytes beside its pixels.
+ImageNeeds needs_of(std::uint64_t width, std::uint64_t height, int channels, std::uint64_t more)
+{
+    return {static_cast<int>(width), static_cast<int>(height), channels,
+            width * height * static_cast<std::uint64_t>(channels) + more};
+}
+
+// Each decoder below returns an empty image if `needs` is given, and fills it in instead.
+
 // --- PNG, with libpng's simplified reader, which never calls longjmp across our frames.
 
 struct PngChunks {
@@ -88,7 +97,8 @@ struct PngMemory {
     ~PngMemory() { png_image_free(&image); }
 };
 
-Image8 decode_png(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits)
+Image8 decode_png(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits,
+                  ImageNeeds* needs)
 {
     const PngChunks chunks = check_png_chunks(bytes, name, limits.stored_values);
     if (!chunks.without.empty()) bytes = chunks.without;
@@ -103,8 +113,13 @@ Image8 decode_png(std::span<const std::uint8_t> bytes, const std::string& name, 
     image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
     const bool color = image.format & PNG_FORMAT_FLAG_COLOR, alpha = image.format & PNG_FORMAT_FLAG_ALPHA;
     image.format = color ? (alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB) : (alpha ? PNG_FORMAT_GA : PNG_FORMAT_GRAY);
-    Image8 result(static_cast<int>(image.width), static_cast<int>(image.height),
-                  static_cast<int>(PNG_IMAGE_SAMPLE_CHANNELS(image.format)));
+    const int channels = static_cast<int>(PNG_IMAGE_SAMPLE_CHANNELS(image.format));
+    if (needs) {
+        constexpr std::uint64_t k_row_bytes = 32;   // per pixel, of the rows that libpng holds
+        *needs = needs_of(image.width, image.height, channels, k_row_bytes * image.width + chunks.without.size());
+        return {};
+    }
+    Image8 result(static_cast<int>(image.width), static_cast<int>(image.height), channels);
     if (!png_image_finish_read(&image, nullptr, result.data.data(), 0, nullptr))
         throw InputError(name, "", fmt::format("invalid PNG: {}", image.message));
     return result;
@@ -173,9 +188,31 @@ struct JpegMemory {
     ~JpegMemory() { jpeg_destroy_decompress(&info); }
 };
 
+// libjpeg keeps the coefficients of all blocks, unless one scan has everything. CMYK is decoded before it becomes RGB.
+ImageNeeds jpeg_needs(jpeg_decompress_struct& info)
+{
+    constexpr std::uint64_t k_block_bytes = 64 * sizeof(JCOEF);
+    constexpr std::uint64_t k_row_bytes = 256;   // per pixel of a row
+    const auto padded = [](std::uint64_t blocks, int factor) {
+        const auto f = static_cast<std::uint64_t>(std::max(1, factor));
+        return (blocks + f - 1) / f * f;
+    };
+    std::uint64_t coefficients = 0;
+    if (jpeg_has_multiple_scans(&info))
+        for (int i = 0; i < info.num_components; ++i) {
+            const jpeg_component_info& component = info.comp_info[i];
+            coefficients += k_block_bytes * padded(component.width_in_blocks, component.h_samp_factor) *
+                            padded(component.height_in_blocks, component.v_samp_factor);
+        }
+    const std::uint64_t pixels = static_cast<std::uint64_t>(info.image_width) * info.image_height;
+    const bool cmyk = info.num_components == 4;
+    return needs_of(info.image_width, info.image_height, info.num_components == 1 ? 1 : 3,
+                    std::max<std::uint64_t>(coefficients, k_row_bytes * info.image_width) + (cmyk ? 4 * pixels : 0));
+}
+
 // All objects with destructors are in the caller, because longjmp does not run destructors.
 bool decode_jpeg_into(jpeg_decompress_struct& info, JpegErrors& errors, std::span<const std::uint8_t> bytes,
-                      const ImageLimits& limits, Image8& result, bool& too_large)
+                      const ImageLimits& limits, Image8& result, bool& too_large, ImageNeeds* needs)
 {
     if (setjmp(errors.jump)) return false;
     jpeg_create_decompress(&info);
@@ -193,6 +230,10 @@ bool decode_jpeg_into(jpeg_decompress_struct& info, JpegErrors& errors, std::spa
         std::snprintf(errors.message, sizeof errors.message, "%u x %u pixels cannot be in %zu bytes", info.image_width,
                       info.image_height, bytes.size());
         return false;
+    }
+    if (needs) {
+        *needs = jpeg_needs(info);
+        return true;
     }
     // Decode.
     info.out_color_space = info.num_components == 1 ? JCS_GRAYSCALE : JCS_RGB;
@@ -224,7 +265,8 @@ Image8 rgb_from_cmyk(const Image8& cmyk)
     return rgb;
 }
 
-Image8 decode_jpeg(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits)
+Image8 decode_jpeg(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits,
+                   ImageNeeds* needs)
 {
     jpeg_decompress_struct info{};
     const JpegMemory memory{info};
@@ -235,16 +277,18 @@ Image8 decode_jpeg(std::span<const std::uint8_t> bytes, const std::string& name,
     errors.base.emit_message = &note_warning;
     Image8 result;
     bool too_large = false;
-    const bool good = decode_jpeg_into(info, errors, bytes, limits, result, too_large);
+    const bool good = decode_jpeg_into(info, errors, bytes, limits, result, too_large, needs);
     if (errors.interrupted) interruption_point();
     if (too_large) check_size(info.image_width, info.image_height, name, limits);
     if (!good) throw InputError(name, "", fmt::format("invalid JPEG: {}", errors.message));
-    return result.channels == 4 ? rgb_from_cmyk(result) : result;
+    if (result.channels == 4) return rgb_from_cmyk(result);
+    return result;
 }
 
 // --- WebP, a still image
 
-Image8 decode_webp(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits)
+Image8 decode_webp(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits,
+                   ImageNeeds* needs)
 {
     WebPBitstreamFeatures features;
     if (WebPGetFeatures(bytes.data(), bytes.size(), &features) != VP8_STATUS_OK)
@@ -252,6 +296,17 @@ Image8 decode_webp(std::span<const std::uint8_t> bytes, const std::string& name,
     if (features.has_animation) throw InputError(name, "", "an animated WebP is not supported");
     check_size(static_cast<std::uint64_t>(features.width), static_cast<std::uint64_t>(features.height), name, limits);
     interruption_point();
+    if (needs) {
+        // libwebp holds the pixels of lossless images a second time, else those of alpha, and a few rows.
+        constexpr int k_lossless = 2;
+        constexpr std::uint64_t k_row_bytes = 256;   // per pixel of a row
+        const auto width = static_cast<std::uint64_t>(features.width),
+                   height = static_cast<std::uint64_t>(features.height);
+        const std::uint64_t bytes_per_pixel = features.format == k_lossless ? 5 : features.has_alpha ? 6 : 1;
+        *needs =
+            needs_of(width, height, features.has_alpha ? 4 : 3, bytes_per_pixel * width * height + k_row_bytes * width);
+        return {};
+    }
     Image8 image(features.width, features.height, features.has_alpha ? 4 : 3);
     const int stride = features.width * image.channels;
     const auto decode = features.has_alpha ? WebPDecodeRGBAInto : WebPDecodeRGBInto;
@@ -309,7 +364,8 @@ class PnmReader {
     std::size_t at_;
 };
 
-Image8 decode_pnm(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits)
+Image8 decode_pnm(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits,
+                  ImageNeeds* needs)
 {
     const int channels = bytes[1] == '6' ? 3 : 1;
     PnmReader reader(bytes, name);
@@ -320,6 +376,10 @@ Image8 decode_pnm(std::span<const std::uint8_t> bytes, const std::string& name, 
     const std::size_t wide = most > 255 ? 2 : 1;
     const std::size_t values = static_cast<std::size_t>(width * height) * static_cast<std::size_t>(channels);
     const std::span<const std::uint8_t> pixels = reader.pixels(values * wide);
+    if (needs) {
+        *needs = needs_of(width, height, channels, 0);
+        return {};
+    }
     Image8 image(static_cast<int>(width), static_cast<int>(height), channels);
     for (std::size_t i = 0; i < values; ++i) {
         const std::uint64_t value = wide == 1 ? pixels[i] : pixels[2 * i] * 256u + pixels[2 * i + 1];
@@ -333,15 +393,28 @@ bool starts_with(std::span<const std::uint8_t> bytes, std::initializer_list<std:
     return bytes.size() > magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
 }
 
+Image8 decode(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits,
+              ImageNeeds* needs)
+{
+    if (starts_with(bytes, {0x89, 'P', 'N', 'G'})) return decode_png(bytes, name, limits, needs);
+    if (starts_with(bytes, {0xff, 0xd8, 0xff})) return decode_jpeg(bytes, name, limits, needs);
+    if (starts_with(bytes, {'P', '6'}) || starts_with(bytes, {'P', '5'})) return decode_pnm(bytes, name, limits, needs);
+    if (is_webp(bytes)) return decode_webp(bytes, name, limits, needs);
+    throw InputError(name, "", "unsupported image format; use PNG, JPEG, WebP or binary PPM");
+}
+
 }   // namespace
+
+ImageNeeds image_needs(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits)
+{
+    ImageNeeds needs;
+    decode(bytes, name, limits, &needs);
+    return needs;
+}
 
 Image8 decode_image(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits)
 {
-    if (starts_with(bytes, {0x89, 'P', 'N', 'G'})) return decode_png(bytes, name, limits);
-    if (starts_with(bytes, {0xff, 0xd8, 0xff})) return decode_jpeg(bytes, name, limits);
-    if (starts_with(bytes, {'P', '6'}) || starts_with(bytes, {'P', '5'})) return decode_pnm(bytes, name, limits);
-    if (is_webp(bytes)) return decode_webp(bytes, name, limits);
-    throw InputError(name, "", "unsupported image format; use PNG, JPEG, WebP or binary PPM");
+    return decode(bytes, name, limits, nullptr);
 }
 
 Image8 read_image(const std::filesystem::path& file, const ImageLimits& limits)

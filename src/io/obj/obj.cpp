@@ -141,8 +141,8 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
 
     // Add meshes and textures. A group becomes a mesh, a node and an object, however few faces it has.
     scene::MemoryBudget memory(options.memory);
-    memory.take(data.objects.size() * k_bytes_per_object, file.string(), "", "its groups");
-    memory.take(mtl.size() * k_bytes_per_material, file.string(), "", "its materials");
+    memory.take(data.objects.size() * k_bytes_per_object, scene.textures, {file.string(), "", "its groups"});
+    memory.take(mtl.size() * k_bytes_per_material, scene.textures, {file.string(), "", "its materials"});
     add_obj_meshes(scene, data, material_of, {});
     data = {};
     add_obj_textures(scene, mtl, folder, memory);

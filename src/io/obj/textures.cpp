@@ -22,9 +22,10 @@ namespace {
 constexpr std::uint64_t k_largest_image_file = 1ull << 30;
 // Limit on texels beyond those of each file: one file may be used with many options of its map or with many masks.
 constexpr std::uint64_t k_most_repeated_texels = 1ull << 26;
-constexpr std::size_t k_batch = 4;         // textures that are made before limits are checked
-constexpr float k_texels_per_height = 4;   // for -bm 1, white is this many texels higher than black
-constexpr int k_grey_tolerance = 12;       // of 255: in a grey JPEG, channels differ by rounding
+constexpr std::size_t k_batch = 4;                     // textures that are made before limits are checked
+constexpr std::uint64_t k_batch_bytes = 64ull << 20;   // for a moment: with so much, a batch has no further texture
+constexpr float k_texels_per_height = 4;               // for -bm 1, white is this many texels higher than black
+constexpr int k_grey_tolerance = 12;                   // of 255: in a grey JPEG, channels differ by rounding
 
 enum class Role : std::uint8_t { color, masked_color, bump, normal, roughness_metallic };
 
@@ -32,6 +33,7 @@ enum class Role : std::uint8_t { color, masked_color, bump, normal, roughness_me
 struct Job {
     Role role = Role::color;
     MtlMap first, second;   // colour and mask; roughness and metallic
+    const std::string& name() const { return first.used() ? first.file : second.file; }
     auto key() const
     {
         return std::tuple(role, first.file, second.file, first.clamp, second.channel, first.bump, second.range.x,
@@ -39,27 +41,58 @@ struct Job {
     }
 };
 
+// An image file before it is decoded.
+struct Source {
+    std::vector<std::uint8_t> bytes;
+    ImageNeeds needs;
+    bool used() const { return needs.width > 0; }
+    std::uint64_t pixels() const
+    {
+        return static_cast<std::uint64_t>(needs.width) * static_cast<std::uint64_t>(needs.height);
+    }
+};
+
 struct Made {
+    Source first, second;   // until they are decoded; the second is empty if it is the first
+    scene::MemoryBudget::Expected expected = 0;
     std::optional<scene::Texture> texture;
     std::vector<std::pair<std::filesystem::path, std::uint64_t>> files;   // with their numbers of pixels
     std::vector<std::string> warnings;
 };
 
-std::optional<Image8> read(const SceneFolder& folder, const MtlMap& map, Made& made)
+void leave_out(const MtlMap& map, const std::string& problem, Made& made)
 {
-    if (!map.used()) return std::nullopt;
+    made.warnings.push_back(fmt::format("texture '{}' is left out: {}", shown(map.file), problem));
+}
+
+Source open(const SceneFolder& folder, const MtlMap& map, Made& made)
+{
+    Source source;
+    if (!map.used()) return source;
     std::string problem;
     if (const auto path = folder.find(map.file, problem)) {
         try {
-            Image8 image = decode_image(read_whole_file(*path, map.file, k_largest_image_file), map.file);
-            made.files.emplace_back(*path, std::uint64_t{1} * image.width * image.height);
-            return image;
+            source.bytes = read_whole_file(*path, map.file, k_largest_image_file);
+            source.needs = image_needs(source.bytes, map.file);
+            made.files.emplace_back(*path, source.pixels());
+            return source;
         } catch (const InputError& error) {
             problem = error.problem();
         }
     }
-    made.warnings.push_back(fmt::format("texture '{}' is left out: {}", shown(map.file), problem));
-    return std::nullopt;
+    leave_out(map, problem, made);
+    return {};
+}
+
+std::optional<Image8> decode(Source source, const MtlMap& map, Made& made)
+{
+    if (!source.used()) return std::nullopt;
+    try {
+        return decode_image(source.bytes, map.file);
+    } catch (const InputError& error) {
+        leave_out(map, error.problem(), made);
+        return std::nullopt;
+    }
 }
 
 // The texel of an image that corresponds to (x, y) in an image of another size.
@@ -106,15 +139,6 @@ Image8 with_mask(const std::optional<Image8>& color, const Image8& mask, const M
             out[3] = opacity(nearest(mask, x, y, result), mask.channels, map);
         }
     }
-    return result;
-}
-
-Image8 without_alpha(const Image8& image)
-{
-    if (image.channels == 1 || image.channels == 3) return image;
-    Image8 result(image.width, image.height, image.channels - 1);
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) std::copy_n(image.pixel(x, y), result.channels, result.pixel(x, y));
     return result;
 }
 
@@ -165,44 +189,55 @@ Image8 roughness_metallic(const std::optional<Image8>& roughness, const std::opt
     return result;
 }
 
-Made make(const Job& job, const SceneFolder& folder)
+// Opens the files of a job, and counts its texture. Returns what making it takes for a moment.
+std::uint64_t open(const Job& job, const SceneFolder& folder, scene::MemoryBudget& memory, Made& made)
 {
-    Made made;
-    const std::optional<Image8> first = read(folder, job.first, made);
-    std::optional<Image8> second;
-    if (job.second.file != job.first.file)
-        second = read(folder, job.second, made);
-    else
-        second = first;
-    if (!first && !second) return made;
+    made.first = open(folder, job.first, made);
+    if (job.second.file != job.first.file) made.second = open(folder, job.second, made);
+    const ImageNeeds &a = made.first.needs, &b = made.second.needs;
+    // A texture of two files is as large as one of them; the other may turn out to be broken.
+    const std::uint64_t pixels = std::max(made.first.pixels(), made.second.pixels());
+    if (pixels == 0) return 0;
+    const ImageNeeds& like = made.second.pixels() > made.first.pixels() ? b : a;
+    made.expected = memory.expect(like.width, like.height);
+    constexpr std::uint64_t k_bytes_per_pixel = 4;   // of an image that is made of the files'
+    const bool copied = job.role != Role::color || a.channels % 2 == 0;
+    return a.bytes + b.bytes + made.first.bytes.size() + made.second.bytes.size() +
+           (copied ? k_bytes_per_pixel * pixels : 0);
+}
+
+void make(const Job& job, const scene::MemoryBudget& memory, Made& made)
+{
+    const std::optional<Image8> first = decode(std::move(made.first), job.first, made);
+    const bool one_file = job.second.file == job.first.file;
+    const std::optional<Image8> other = decode(std::move(made.second), job.second, made);
+    const std::optional<Image8>& second = one_file ? first : other;
+    if (!first && !second) return;
 
     // A colour file that is also its own mask means its alpha channel.
-    const bool own_mask = job.second.file == job.first.file && job.second.channel == 0 && first &&
-                          (first->channels == 1 || first->channels == 3);
-    Image8 image;
+    const bool own_mask =
+        one_file && job.second.channel == 0 && first && (first->channels == 1 || first->channels == 3);
+    Image8 derived;   // if the texture is not that of the first file
     switch (job.role) {
-        case Role::color:
-            image = without_alpha(*first);
-            break;
         case Role::masked_color:
             if (own_mask) made.warnings.push_back(fmt::format("mask '{}' has no alpha", shown(job.second.file)));
-            image = second && !own_mask ? with_mask(first, *second, job.second) : without_alpha(*first);
+            if (second && !own_mask) derived = with_mask(first, *second, job.second);
             break;
         case Role::bump:
-            image = is_grey(*first) ? normals_from_heights(*first, job.first.bump) : without_alpha(*first);
-            break;
-        case Role::normal:
-            image = without_alpha(*first);
+            if (is_grey(*first)) derived = normals_from_heights(*first, job.first.bump);
             break;
         case Role::roughness_metallic:
-            image = roughness_metallic(first, second);
+            derived = roughness_metallic(first, second);
+            break;
+        case Role::color:
+        case Role::normal:
             break;
     }
     const bool srgb = job.role == Role::color || job.role == Role::masked_color;
     scene::Sampler sampler;
     if (job.first.clamp) sampler.wrap_u = sampler.wrap_v = scene::Wrap::clamp;
-    made.texture.emplace(job.first.used() ? job.first.file : job.second.file, image, srgb, sampler);
-    return made;
+    made.texture =
+        memory.make(made.expected, job.name(), derived.empty() ? *first : derived, srgb, sampler, derived.empty());
 }
 
 }   // namespace
@@ -246,34 +281,44 @@ void add_obj_textures(scene::Scene& scene, const std::vector<MtlMaterial>& mtl, 
              {Role::roughness_metallic, m.roughness_map, m.metallic_map});
     }
 
-    // Read and decode several textures in parallel.
+    // Decode several textures in parallel, as far as there is memory for it.
     std::vector<Made> made(jobs.size());
     Tasks tasks;
     std::set<std::filesystem::path> seen;
     std::uint64_t repeated = 0;
     std::vector<scene::TextureId> ids(jobs.size(), scene::none);
-    for (std::size_t begin = 0; begin < jobs.size(); begin += k_batch) {
+    for (std::size_t begin = 0; begin < jobs.size();) {
         report_progress("loading", 0.8 + 0.2 * static_cast<double>(begin) / static_cast<double>(jobs.size()));
-        const std::size_t count = std::min(k_batch, jobs.size() - begin);
-        tasks.for_each(count, [&](std::size_t i, int) { made[begin + i] = make(jobs[begin + i], folder); });
-        for (std::size_t i = begin; i < begin + count; ++i) {
-            if (!made[i].texture) continue;
+        std::size_t end = begin;
+        for (std::uint64_t moment = 0; end < std::min(begin + k_batch, jobs.size()) && moment < k_batch_bytes; ++end) {
+            moment += open(jobs[end], folder, memory, made[end]);
+            memory.make_room(moment, scene.textures, {shown(jobs[end].name()), "", "the texture"});
+        }
+        tasks.for_each(end - begin, [&](std::size_t i, int) { make(jobs[begin + i], memory, made[begin + i]); });
+        for (std::size_t i = begin; i < end; ++i) {
+            if (made[i].files.empty()) continue;
+            if (!made[i].texture) {
+                memory.left_out(made[i].expected);
+                continue;
+            }
             const scene::Texture& texture = *made[i].texture;
-            std::uint64_t own = 0;
-            for (const auto& [file, pixels] : made[i].files)
+            std::uint64_t own = 0, most = 0;
+            for (const auto& [file, pixels] : made[i].files) {
+                most = std::max(most, pixels);
                 if (seen.insert(file).second) own += pixels;
-            const std::uint64_t texels = std::uint64_t{1} * texture.width() * texture.height();
-            repeated += texels - std::min(texels, own);
+            }
+            repeated += most - std::min(most, own);
             if (repeated > k_most_repeated_texels)
                 throw InputError(texture.name(), "",
                                  fmt::format("is used for too many textures: more than {} texels repeat files",
                                              k_most_repeated_texels));
             // Ids are in the order of the jobs, which does not depend on threads.
             ids[i] = static_cast<scene::TextureId>(scene.textures.size());
+            memory.made(made[i].expected, ids[i]);
             scene.textures.push_back(std::move(*made[i].texture));
             made[i].texture.reset();
         }
-        memory.fit(scene.textures);
+        begin = end;
     }
     report_progress("loading", 1);
 

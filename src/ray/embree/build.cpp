@@ -279,7 +279,7 @@ void RayScene::Impl::add_still(const scene::SceneState& state, scene::ObjectId o
     statistics.static_triangles += mesh.triangles.size();
     if (!state.object_visible(o)) return;
     const auto first = static_cast<unsigned>(still_records.size());
-    attach_object(device.get(), still.get(), *scene, o, vertices, mirrored, still_records);
+    attach_object(device.get(), embree_scene(still), *scene, o, vertices, mirrored, still_records);
     for (auto id = first; id < still_records.size(); ++id) still_ids[o].push_back(id);
 }
 
@@ -292,7 +292,8 @@ void RayScene::Impl::add_still_instance(const scene::SceneState& state, scene::O
         shared = std::make_unique<Solid>();
         shared->tree = new_scene(RTC_BUILD_QUALITY_HIGH, RTC_SCENE_FLAG_NONE);
         bake(shared->vertices.emplace_back(), mesh, glm::dmat4(1));
-        attach_object(device.get(), shared->tree.get(), *scene, o, shared->vertices.front(), false, shared->records);
+        attach_object(device.get(), embree_scene(shared->tree), *scene, o, shared->vertices.front(), false,
+                      shared->records);
         shared->box = box_of(shared->vertices.front().positions, mesh);
     }
     const glm::dmat4& world = state.world(object.node);
@@ -315,6 +316,7 @@ void RayScene::Impl::finish_shared()
         shared->attach_margin(device.get());
         commit(*shared);
     }
+    if (portable) return;
     for (const Placed& placed : still_instances)
         for (const unsigned id : still_ids[placed.object]) {
             const GeometryHandle instance(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
@@ -341,7 +343,7 @@ void RayScene::Impl::add_group(const scene::SceneState& state, scene::GroupId g)
         const scene::Mesh& mesh = scene->meshes[scene->objects[o].mesh];
         BakedVertices& vertices = solid.vertices.emplace_back();
         bake(vertices, mesh, relative);
-        attach_object(device.get(), solid.tree.get(), *scene, o, vertices, mirrors(relative), solid.records);
+        attach_object(device.get(), embree_scene(solid.tree), *scene, o, vertices, mirrors(relative), solid.records);
         describe(o, vertices, &solid, mirrors(relative));
         solid.box.add(box_of(vertices.positions, mesh));
         solid.objects.push_back(o);
@@ -380,7 +382,7 @@ void RayScene::Impl::make_tree_of_one(Solid& solid)
     solid.tree = new_scene(refitted ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM,
                            refitted ? RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_NONE);
     solid.records.clear();
-    attach_object(device.get(), solid.tree.get(), *scene, solid.objects.front(), solid.vertices.front(), false,
+    attach_object(device.get(), embree_scene(solid.tree), *scene, solid.objects.front(), solid.vertices.front(), false,
                   solid.records, refitted ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM);
 }
 

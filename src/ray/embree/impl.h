@@ -140,8 +140,9 @@ struct RayScene::Impl {
 
     SceneHandle one;   // static and dynamic, for comparison; usually absent
 
-    // With the portable ray tracer, Embree's scenes describe what there is, and are never built.
+    // With the portable ray tracer, Embree's scenes hold the instances of the dynamic scene alone, and are never built.
     bool portable = false;
+    RTCScene embree_scene(const SceneHandle& of) const { return portable ? nullptr : of.get(); }
     TriangleTree portable_still;
     SceneTree portable_still_scene, portable_moving_scene, portable_one_scene;
     std::size_t portable_bytes = 0;   // of all its trees, as of the last update

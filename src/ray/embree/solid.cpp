@@ -135,20 +135,22 @@ void attach_object(RTCDevice device, RTCScene scene, const scene::Scene& descrip
         begin = end;
         if (triangles == 0) continue;
 
+        const bool blocks = surface != scene::SurfaceClass::transparent;
+        const bool masked = surface == scene::SurfaceClass::masked;
+        const unsigned mask = k_mask_seen | (blocks ? k_mask_blocks : 0) | (thins ? k_mask_thins : 0);
+        const auto id = static_cast<unsigned>(records.size());
+        records.push_back(
+            {&description, &mesh, object, first, one_sided, mirrored, &vertices, triangles, mask, masked, thins, true});
+        if (!scene) continue;
+
         const GeometryHandle geometry(rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE));
         rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                    vertices.positions.data(), 0, sizeof(glm::vec3), mesh.positions.size());
         rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.triangles.data(),
                                    first * sizeof(glm::uvec3), sizeof(glm::uvec3), triangles);
-        const bool blocks = surface != scene::SurfaceClass::transparent;
-        const bool masked = surface == scene::SurfaceClass::masked;
-        const unsigned mask = k_mask_seen | (blocks ? k_mask_blocks : 0) | (thins ? k_mask_thins : 0);
         rtcSetGeometryMask(geometry.get(), mask);
         if (thins) rtcSetGeometryOccludedFilterFunction(geometry.get(), &filter_thin);
 
-        const auto id = static_cast<unsigned>(records.size());
-        records.push_back(
-            {&description, &mesh, object, first, one_sided, mirrored, &vertices, triangles, mask, masked, thins, true});
         rtcSetGeometryUserData(geometry.get(), &records.back());
         if (one_sided || masked) rtcSetGeometryIntersectFilterFunction(geometry.get(), &filter_closest);
         if (masked) rtcSetGeometryOccludedFilterFunction(geometry.get(), &filter_any);

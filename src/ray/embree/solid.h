@@ -41,6 +41,7 @@ struct BakedVertices {
 
 /// Attaches an object's geometries to a scene; their ids are the indices of their records. Triangles keep the mesh's
 /// order.
+/// @param scene     null: records alone are made
 /// @param vertices  must outlive the geometries and stay in place
 /// @param records   one entry per geometry is appended, at the index of its geometry id
 /// @param quality   RTC_BUILD_QUALITY_REFIT for deforming meshes

@@ -69,7 +69,7 @@ void RayScene::Impl::refit(Solid& solid, const scene::SceneState& state)
     vertices.tangents = shape.tangents;
     baked_bytes += vertices.bytes();
     describe(solid.objects.front(), vertices, &solid, solid.mirrored);
-    for (unsigned id = 0; id < solid.records.size(); ++id) {
+    for (unsigned id = 0; id < solid.records.size() && !portable; ++id) {
         RTCGeometry part = rtcGetGeometry(solid.tree.get(), id);
         rtcUpdateGeometryBuffer(part, RTC_BUFFER_TYPE_VERTEX, 0);
         rtcCommitGeometry(part);
@@ -184,7 +184,7 @@ bool RayScene::Impl::follow_overrides(const scene::SceneState& state)
             separate(o, solids[solid_of_group[g]]);
         } else {
             for (const unsigned id : still_ids[o]) {
-                rtcDetachGeometry(still.get(), id);
+                if (!portable) rtcDetachGeometry(still.get(), id);
                 if (id < first_instance) {
                     still_records[id].attached = false;
                     continue;
@@ -212,7 +212,7 @@ void RayScene::Impl::separate(scene::ObjectId object, Solid& group)
 {
     for (unsigned id = 0; id < group.records.size(); ++id)
         if (group.records[id].object == object) {
-            rtcDetachGeometry(group.tree.get(), id);
+            if (!portable) rtcDetachGeometry(group.tree.get(), id);
             group.records[id].attached = false;
         }
     std::erase(group.objects, object);
