@@ -20,6 +20,10 @@ namespace gnomon {
 /// left; the reference ends paths by chance, without a bias.
 inline constexpr int k_all_bounces = 1000;
 
+/// RenderOptions::samples: one sample per pixel, and more where something ends within a pixel: edges of objects and of
+/// shadows, highlights, textures. Overlays, references and RenderOptions::as_printed have one sample per pixel instead.
+inline constexpr int k_adaptive_samples = 0;
+
 /// Path-traced indirect light: slow, unbiased, and with an estimate of its error. Direct light is computed as without
 /// it, with the same camera rays, so `samples` still controls anti-aliasing.
 struct ReferenceLightOptions {
@@ -47,7 +51,8 @@ struct RenderOptions {
     double turntable_seconds = 0;   // seconds in which the camera circles the scene; 0: off
     RenderMethod renderer = RenderMethod::trace;
     int max_depth = 10;                 // longest chain of reflections and refractions
-    int samples = 1;                    // per pixel
+    int samples = 1;                    // per pixel, or k_adaptive_samples
+    PixelFilter filter = PixelFilter::automatic;
     std::optional<double> exposure{};   // stops; none: automatic, from this frame only
     ToneMap tonemap = ToneMap::neutral;
     /// Mirrors and refracting bodies show the scene's own surroundings in any case.

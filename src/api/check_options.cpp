@@ -60,7 +60,7 @@ void check_options(const RenderOptions& o)
     check_known("the arithmetic", o.arithmetic, Arithmetic::native);
     check_known("the overlay", o.overlay, Overlay::clusters);
     check_range("max depth is", o.max_depth, ranges::max_depth);
-    check_range("samples are", o.samples, ranges::samples);
+    if (o.samples != k_adaptive_samples) check_range("samples are", o.samples, ranges::samples);
     if (o.reference) {
         check_range("spp is", o.reference->spp, ranges::spp);
         check_range("bounces are", o.reference->bounces, ranges::reference_bounces);

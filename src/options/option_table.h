@@ -42,6 +42,7 @@ enum class Kind : std::uint8_t {
     integer,          // in `range`
     number,           // in `range`
     number_or_auto,   // a number, or the word auto
+    integer_or_auto,   // in `range`, or the word auto
     integer_or_all,   // in `range`, or the word all, which is its end
     text,
     choice,   // one of `choices`

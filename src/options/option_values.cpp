@@ -55,13 +55,17 @@ std::string expectation(const Option& option, const std::string& value)
         case Kind::text:
             return value.empty() ? fmt::format("expected {}", option.argument) : std::string();
         case Kind::integer_or_all:
-            if (value == "all") return {};
+        case Kind::integer_or_auto:
+            if (value == (option.kind == Kind::integer_or_all ? "all" : "auto")) return {};
             [[fallthrough]];
         case Kind::integer: {
             const auto v = parse_integer(value);
             if (v && within(static_cast<double>(*v))) return {};
             return fmt::format("expected {}a whole number from {} to {}",
-                               option.kind == Kind::integer_or_all ? "all or " : "", option.range.low,
+                               option.kind == Kind::integer_or_all    ? "all or "
+                               : option.kind == Kind::integer_or_auto ? "auto or "
+                                                                      : "",
+                               option.range.low,
                                option.range.high);
         }
         case Kind::number_or_auto:
