@@ -24,7 +24,6 @@ import tempfile
 
 k_root = pathlib.Path(__file__).resolve().parent.parent
 k_frames = 4   # of a clip
-k_exposure = {"builtin:cornell": "0"}
 # Scene, first frame, further options.
 k_scenes = [
     ("bart/kitchen/aff/kitchen.aff", 121, []),
@@ -61,6 +60,7 @@ def main() -> None:
     parser.add_argument("--truth", default="256")
     parser.add_argument("--filter", default="blackman-harris")
     parser.add_argument("--modes", default="auto")
+    parser.add_argument("--exposure", default="0")
     parser.add_argument("--only", default="")
     parser.add_argument("--keep")
     options = parser.parse_args()
@@ -80,7 +80,7 @@ def main() -> None:
             last = first + k_frames - 1
             common = [*more, "--size", options.size]
             # One exposure for all images of a scene, so that they differ by their samples alone.
-            exposed = ["--exposure", k_exposure.get(scene, "auto")]
+            exposed = ["--exposure", options.exposure]
 
             truths = {}
             for kind in (options.filter, "box"):

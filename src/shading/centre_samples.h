@@ -30,10 +30,11 @@ struct CentreSample {
 
 struct RefineOptions {
     float exposure = 1;         // factor that makes the image as bright as a display shows it
-    float edge = 0.05f;         // difference of neighbouring surfaces, as shown() has it, that one sample may hide
-    float light = 0.05f;        // likewise, of light on one surface
-    float agree = 0.04f;        // difference of light on one surface within which samples share it
-    float spread = 0.10f;       // difference of a pixel's samples from which on it has all of them
+    float edge = 0.06f;         // difference of neighbouring surfaces, as shown() has it, that one sample may hide
+    float light = 0.1f;         // likewise, of light on one surface
+    float agree = 0.08f;        // difference of light on one surface within which samples share it
+    float spread = 0.15f;       // difference of a pixel's samples of several surfaces from which on it has all of them
+    float light_spread = 0.3f;   // likewise, of samples of one surface, whose light must be computed
     float same_normal = 0.9f;   // cosine between normals of neighbours on one surface
     float off_plane = 1.0f;     // distance of a neighbour's position from the plane of a surface, in widths of the pixel
 };

@@ -39,8 +39,10 @@ class TileTracer {
 
     /// @param sums  optional: takes the samples, which `out` then lacks but for the layers of the first one
     void trace(const Tile& tile, shading::FrameBuffers& out, image::SampleSums* sums = nullptr);
-    /// Adds the samples of a tile's pixels, which trace() began, to sums: those at the centres, and further ones.
-    void refine(const Tile& tile, const Refinement& refinement);
+    /// Adds the samples of a tile's selected pixels, which trace() began, to sums: those at the centres, and further ones.
+    void refine(const Tile& tile, const Refinement& refinement, RefinedPixels& pixels);
+    /// Adds those of the pixels that have one sample.
+    void add_single(const Tile& tile, const Refinement& refinement, const RefinedPixels& pixels);
     /// Rays other than those of the techniques.
     const FrameCounters& counters() const { return counters_; }
     /// Milliseconds of this thread.
@@ -70,6 +72,14 @@ class TileTracer {
         }
     };
 
+    // A pixel with further samples.
+    struct Refined {
+        std::uint32_t pixel;   // of the tile
+        int samples = 0;       // further ones
+        bool several = false;   // the first few show a surface that its centre does not
+        bool found = false;    // they show a surface that no pixel around has at its centre
+    };
+
     void begin_tile(const Tile& tile);
     void clear_sums(std::size_t count);
     // Of TileTracer::trace().
@@ -77,10 +87,16 @@ class TileTracer {
     void add_samples(int sample, image::SampleSums& sums);
     void values_of(std::size_t at, float* values) const;
     // Of TileTracer::refine() (tile_refiner.cpp).
-    void find_refined(const Refinement& refinement);
-    void shade_samples(const Refinement& refinement, std::span<const FurtherSample> samples);
+    void find_refined(const RefinedPixels& pixels);
+    bool finds_surface(const Refined& refined, const float* values, const shading::CentreSample& met) const;
+    void single_values(const glm::ivec2& pixel);
+    void shade_samples(std::span<const FurtherSample> samples);
     void take_samples(const Refinement& refinement, std::span<const std::uint32_t> refined, int first, int end);
     bool take_light(const TilePoint& point, scene::ObjectId object, std::uint32_t triangle);
+    bool take_agreed(const TilePoint& point, const shading::CentreSample& own);
+    bool take_nearest(const TilePoint& point, const shading::CentreSample& own);
+    void add_share(std::uint32_t to, const shading::CentreSample& own, const shading::CentreSample& of, float weight,
+                   const float* values);
     bool take_lobe(const TilePoint& point, const shadow_culling::ShadowPoint& at);
     shading::CentreSample centre_sample(const shading::SurfacePoint& s, scene::ObjectId object,
                                         std::uint32_t triangle) const;
@@ -168,13 +184,12 @@ class TileTracer {
     const Refinement* refinement_ = nullptr;   // while further samples are shaded
     std::span<const FurtherSample> samples_;   // these
     std::vector<std::uint32_t> pixels_;        // theirs
-    struct Refined {
-        std::uint32_t pixel;   // of the tile
-        int samples = 0;       // further ones
-    };
     std::vector<Refined> refined_;
     std::vector<FurtherSample> wanted_;
-    std::vector<float> values_;   // by refined pixel and further sample
+    std::vector<float> values_;                  // by refined pixel and further sample
+    std::vector<shading::CentreSample> met_;     // by sample of the list
+    std::vector<shading::CentreSample> known_;   // by refined pixel and sample of the first few
+    std::vector<float> single_values_;           // of one pixel
 
     // Lobes of primary hits.
     int rays_of_lobe_ = 0;   // for each sample; 0: rough surfaces reflect by mirror rays

@@ -174,19 +174,28 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         const float exposure = std::exp2(
             options.exposure ? *options.exposure : static_cast<float>(image::auto_exposure(out.color.data)));
         sums.emplace(size, options.tile, channels_of(out, options), k_white / exposure);
-        Refinement refinement{*centres, out, lobe_image, {.exposure = exposure}, {}, *sums};
+        Refinement refinement{*centres, out, averaged_layers(std::as_const(out), options), lobe_image, options.refine,
+                              {},       *sums};
+        refinement.options.exposure = exposure;
         refinement.weights[0] = image::sample_weights(options.filter, glm::vec2(0.5f));
         for (int i = 0; i < scene::k_refined_samples; ++i)
             refinement.weights[static_cast<std::size_t>(i) + 1] =
                 image::sample_weights(options.filter, scene::refined_offset(i));
-        done = 0;
-        report_progress("refining", 0);
-        tasks.for_each(tiles, [&](std::size_t index, int worker) {
-            auto& tracer = tracers[static_cast<std::size_t>(worker)];
-            if (!tracer) tracer = make_tracer();
-            tracer->refine(tile_at(index, columns, options.tile, size), refinement);
-            report_progress("refining", static_cast<double>(++done) / static_cast<double>(tiles));
-        });
+        RefinedPixels pixels(size);
+        pixels.select(refinement, tasks);
+        const auto for_each_tile = [&](const auto& body) {
+            tasks.for_each(tiles, [&](std::size_t index, int worker) {
+                auto& tracer = tracers[static_cast<std::size_t>(worker)];
+                if (!tracer) tracer = make_tracer();
+                body(*tracer, tile_at(index, columns, options.tile, size));
+            });
+        };
+        for (int round = 0; round < RefinedPixels::k_rounds; ++round) {
+            report_progress("refining", static_cast<double>(round) / RefinedPixels::k_rounds);
+            for_each_tile([&](TileTracer& tracer, const Tile& tile) { tracer.refine(tile, refinement, pixels); });
+            if (!pixels.select_next(tasks)) break;
+        }
+        for_each_tile([&](TileTracer& tracer, const Tile& tile) { tracer.add_single(tile, refinement, pixels); });
         resolve(*sums, tiles, tasks, out, options);
     }
 

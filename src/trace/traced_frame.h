@@ -24,6 +24,7 @@
 #include "gnomon/types.h"
 #include "scene/sized_light.h"
 #include "scene/view.h"
+#include "shading/centre_samples.h"
 #include "shading/frame_buffers.h"
 #include "trace/trace_log.h"
 
@@ -41,6 +42,7 @@ struct TracedOptions {
     /// More samples where something ends in a pixel (refinement.h). @pre samples is 1, and no random lobes
     bool adaptive = false;
     std::optional<float> exposure{};   // of these, in stops; none: that of the image of one sample a pixel
+    shading::RefineOptions refine{};   // of these; its exposure is set from the above
     bool layers = false;   // fill all of shading::FrameBuffers, not `color` alone
     /// Leave what lies behind the scene out of `color`, and fill `alpha`. A surface that catches shadows counts as what
     /// lies behind, and its shadows as a dark surface.
