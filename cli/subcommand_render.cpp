@@ -149,7 +149,7 @@ Json frame_of(const FrameRecord& record, const RenderOptions& options)
                {"shadow", std::move(shadow)},
                {"indirect", indirect_of(record, options)},
                {"draws", counters.draws}};
-    if (counters.samples.pixels > 0)
+    if (options.samples == k_adaptive_samples)
         frame["samples"] = {{"pixels", counters.samples.pixels},
                             {"taken", counters.samples.taken},
                             {"shaded", counters.samples.shaded}};

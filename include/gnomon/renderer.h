@@ -20,8 +20,8 @@ namespace gnomon {
 /// left; the reference ends paths by chance, without a bias.
 inline constexpr int k_all_bounces = 1000;
 
-/// RenderOptions::samples: one sample per pixel, and more where something ends within a pixel: edges of objects and of
-/// shadows, highlights, textures. Overlays, references and RenderOptions::as_printed have one sample per pixel instead.
+/// RenderOptions::samples: one sample per pixel, and more where something ends within a pixel, such as a shadow or an
+/// object. Rasterised frames, overlays, references and RenderOptions::as_printed have one sample per pixel instead.
 inline constexpr int k_adaptive_samples = 0;
 
 /// Path-traced indirect light: slow, unbiased, and with an estimate of its error. Direct light is computed as without
@@ -52,7 +52,7 @@ struct RenderOptions {
     RenderMethod renderer = RenderMethod::trace;
     int max_depth = 10;                 // longest chain of reflections and refractions
     int samples = 1;                    // per pixel, or k_adaptive_samples
-    PixelFilter filter = PixelFilter::automatic;
+    PixelFilter filter = PixelFilter::automatic;   // of traced frames; the rasteriser has automatic and box
     std::optional<double> exposure{};   // stops; none: automatic, from this frame only
     ToneMap tonemap = ToneMap::neutral;
     /// Mirrors and refracting bodies show the scene's own surroundings in any case.
