@@ -95,9 +95,9 @@ constexpr Option k_options[] = {
      .group = k_frames, .help = "first and last frame (default: the first 10 frames)"},
     {.name = "frames", .argument = "F", .kind = Kind::integer, .fallback = "7", .range = {1, 200},
      .subcommands = bit(bench_shadow_textures), .group = k_frames, .help = "number of frames to measure, after two warm-up frames; times are medians"},
-    {.name = "fps", .argument = "F", .kind = Kind::number, .range = {0.001, 1000},
+    {.name = "fps", .argument = "F", .kind = Kind::rate, .range = {0.001, 1000},
      .subcommands = k_images | bit(info), .group = k_frames,
-     .help = "frames per second (default: that of the file, else 24)"},
+     .help = "frames per second, a number or a fraction such as 24000/1001 (default: that of the file, else 24)"},
     {.name = "animation", .argument = "NAME|N|all", .kind = Kind::text, .subcommands = k_scened | bit(info), .group = k_frames,
      .help = "animation of a glTF file that plays, by name or by number from 0; all: all of them (default: the first, and "
              "each further one that animates nothing that one before it animates)"},

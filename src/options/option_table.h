@@ -41,6 +41,7 @@ enum class Kind : std::uint8_t {
     optional_file,    // a flag with an optional file: --json or --json=FILE
     integer,          // in `range`
     number,           // in `range`
+    rate,             // a number in `range`, or a fraction A/B
     number_or_auto,   // a number, or the word auto
     integer_or_auto,   // in `range`, or the word auto
     integer_or_all,   // in `range`, or the word all, which is its end

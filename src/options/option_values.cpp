@@ -68,6 +68,12 @@ std::string expectation(const Option& option, const std::string& value)
                                option.range.low,
                                option.range.high);
         }
+        case Kind::rate: {
+            const auto v = parse_rate(value);
+            if (v && within(*v)) return {};
+            return fmt::format("expected a number from {} to {}, or a fraction such as 24000/1001", option.range.low,
+                               option.range.high);
+        }
         case Kind::number_or_auto:
             if (value == "auto") return {};
             [[fallthrough]];
@@ -107,6 +113,15 @@ std::optional<double> parse_number(std::string_view word)
 {
     const auto value = parse_whole<double>(word);
     return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+std::optional<double> parse_rate(std::string_view word)
+{
+    const std::size_t slash = word.find('/');
+    if (slash == std::string_view::npos) return parse_number(word);
+    const auto above = parse_integer(word.substr(0, slash)), below = parse_integer(word.substr(slash + 1));
+    if (!above || !below || *above < 1 || *below < 1) return std::nullopt;
+    return static_cast<double>(*above) / static_cast<double>(*below);
 }
 
 std::optional<long long> parse_integer(std::string_view word)
@@ -220,7 +235,7 @@ void OptionValues::check_choices(std::string_view name, std::string_view choices
 
 double OptionValues::number(std::string_view name) const
 {
-    const auto value = parse_number(text(name));
+    const auto value = parse_rate(text(name));
     GNOMON_CHECK(value.has_value());
     return *value;
 }
