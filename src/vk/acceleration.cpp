@@ -41,8 +41,10 @@ void BuildInfo::fill(const StructureDesc& desc)
     for (const TriangleGeometry& g : desc.triangles) {
         GNOMON_CHECK(!desc.top() && g.position_count > 0);
         geometries.push_back(describe(g));
+        // Drivers may add the offset to the null address of no matrices, and read there.
+        const std::size_t matrix = g.matrices ? g.matrix * sizeof(VkTransformMatrixKHR) : 0;
         ranges.push_back({g.triangles, static_cast<std::uint32_t>(g.first_index * sizeof(std::uint32_t)), 0,
-                          static_cast<std::uint32_t>(g.matrix * sizeof(VkTransformMatrixKHR))});
+                          static_cast<std::uint32_t>(matrix)});
     }
     if (desc.top()) {
         VkAccelerationStructureGeometryKHR& all = geometries.emplace_back();

@@ -80,7 +80,7 @@ Device::Device() : instance_(Instance::get()), info_(choose(*instance_))
     create.ppEnabledExtensionNames = extensions.data();
     check(vkCreateDevice(info_.handle, &create, nullptr, &handle_), fmt::format("opening '{}'", info_.name));
     vkGetDeviceQueue(handle_, info_.queue_family, 0, &queue_);
-    memory_ = std::make_unique<Memory>(info_.handle, handle_, traces_rays());
+    memory_ = std::make_unique<Memory>(info_.handle, handle_, traces_rays(), instance_->validates());
 }
 
 Device::~Device()

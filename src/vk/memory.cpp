@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "base/check.h"
 #include "gnomon/error.h"
@@ -57,7 +58,8 @@ std::byte* MemoryPiece::mapped() const
     return block_->mapped ? block_->mapped + offset_ : nullptr;
 }
 
-Memory::Memory(VkPhysicalDevice physical, VkDevice device, bool addresses) : device_(device), addresses_(addresses)
+Memory::Memory(VkPhysicalDevice physical, VkDevice device, bool addresses, bool marked)
+    : device_(device), addresses_(addresses), marked_(marked)
 {
     vkGetPhysicalDeviceMemoryProperties(physical, &properties_);
     VkPhysicalDeviceProperties2 all{};
@@ -138,6 +140,7 @@ MemoryPiece Memory::take(const VkMemoryRequirements& needs, Access access, bool 
             piece.size_ = needs.size;
             block.used += needs.size;
             ++block.pieces;
+            if (marked_ && block.mapped) std::memset(block.mapped + at, k_unwritten, needs.size);
             return true;
         }
         return false;

@@ -56,9 +56,12 @@ struct MemoryCounts {
 class Memory {
  public:
     static constexpr VkDeviceSize k_block_bytes = 32 << 20;
+    static constexpr int k_unwritten = 0xff;   // every byte: numbers that are not finite, indices beyond everything
 
     /// @param addresses  whether buffers get device addresses (for ray tracing)
-    Memory(VkPhysicalDevice physical, VkDevice device, bool addresses);
+    /// @param marked  whether new pieces that the host sees are filled with k_unwritten, so that reading what nothing
+    ///     wrote shows: graphics cards give memory with old contents, software drivers zeros
+    Memory(VkPhysicalDevice physical, VkDevice device, bool addresses, bool marked);
     ~Memory();
     Memory(const Memory&) = delete;
     Memory& operator=(const Memory&) = delete;
@@ -75,7 +78,7 @@ class Memory {
     void give_back(MemoryPiece& piece);
 
     VkDevice device_;
-    bool addresses_;
+    bool addresses_, marked_;
     VkPhysicalDeviceMemoryProperties properties_{};
     VkDeviceSize most_ = ~VkDeviceSize{0};   // limit on all blocks together
     std::vector<std::unique_ptr<MemoryPiece::Block>> blocks_;

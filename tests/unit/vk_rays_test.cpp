@@ -188,6 +188,19 @@ TEST_F(VulkanRays, TraceWaitsForTheRebuiltTlas)
     expect_grid(stage.trace_grid(3), [](float u, float v) { return u + v < 1; });
 }
 
+// Some drivers add the offset of a matrix even to the null address.
+TEST_F(VulkanRays, GeometriesWithoutMatricesHaveNoOffsetToOne)
+{
+    GNOMON_NEED_RAYS;
+    const vk::Buffer buffer(device_, "triangles", 64);
+    const vk::StructureDesc desc{
+        .triangles = {
+            {.positions = &buffer, .position_count = 3, .indices = &buffer, .triangles = 1, .matrix = 0xffffffffu}}};
+    vk::BuildInfo info;
+    info.fill(desc);
+    EXPECT_EQ(info.ranges[0].transformOffset, 0u);
+}
+
 TEST_F(VulkanRays, ReflectsRayStages)
 {
     const vk::Reflection generation = vk::reflect({"rays.rgen", k_generation}),

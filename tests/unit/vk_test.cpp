@@ -295,6 +295,17 @@ TEST_F(Vulkan, MemoryIsSuballocatedReusedAndFreed)
     EXPECT_EQ(device_->memory().counts().blocks, 1u);
 }
 
+// What nothing wrote is no zeros, as on graphics cards, so that a shader that reads it shows in any test.
+TEST_F(Vulkan, UnwrittenMemoryIsMarked)
+{
+    if (device_->info().kind != "software") GTEST_SKIP() << "the host does not see the device's memory";
+    const vk::Buffer buffer(device_, "unwritten", 64);
+    vk::Commands commands(device_);
+    const vk::Buffer seen = commands.read_back(buffer);
+    commands.submit();
+    for (const std::uint32_t word : seen.as<std::uint32_t>()) EXPECT_EQ(word, 0xffffffffu);
+}
+
 // Faults, simulated at the loader's entry points. Each is a MissingError of one line.
 
 TEST_F(Vulkan, MissingDriverIsAMissingError)
@@ -381,7 +392,7 @@ TEST_F(Vulkan, MoreMemoryThanTheMachineHasIsAMissingError)
             *mapped = nullptr;
             return VK_SUCCESS;
         });
-    vk::Memory memory(device_->physical(), device_->handle(), false);
+    vk::Memory memory(device_->physical(), device_->handle(), false, false);
     VkPhysicalDeviceMemoryProperties has_heaps{};
     vkGetPhysicalDeviceMemoryProperties(device_->physical(), &has_heaps);
     VkMemoryRequirements needs{has_heaps.memoryHeaps[has_heaps.memoryTypes[0].heapIndex].size + 1, 256, 1};
