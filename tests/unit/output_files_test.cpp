@@ -16,6 +16,7 @@
 #include "io/file/output_name.h"
 #include "io/image/image_file.h"
 #include "support.h"
+#include "video/encoder.h"
 #include "video/frame_list.h"
 #include "video/frames_folder.h"
 
@@ -74,6 +75,16 @@ TEST(NumberedName, PadsWithZeros)
     EXPECT_EQ(io::numbered_name("50%-%d.png", 12), fs::path("50%-12.png"));
     EXPECT_EQ(io::numbered_name("{frame}", 7), fs::path("7"));
     EXPECT_EQ(io::numbered_name("plain.png", 7), fs::path("plain.png"));
+}
+
+TEST(RateText, KeepsTheRatesOfTelevisionExact)
+{
+    EXPECT_EQ(video::rate_text(24000.0 / 1001), "24000/1001");
+    EXPECT_EQ(video::rate_text(30000.0 / 1001), "30000/1001");
+    EXPECT_EQ(video::rate_text(60000.0 / 1001), "60000/1001");
+    EXPECT_EQ(video::rate_text(24), "24");
+    EXPECT_EQ(video::rate_text(12.5), "12.5");
+    EXPECT_EQ(video::rate_text(23.976), "23.976");
 }
 
 TEST(OutputFolder, IsMadeWithThoseAboveIt)
