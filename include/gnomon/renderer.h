@@ -50,10 +50,10 @@ struct RenderOptions {
     std::string camera = "auto";    // a name, an index from 0, or auto: the first
     double turntable_seconds = 0;   // seconds in which the camera circles the scene; 0: off
     RenderMethod renderer = RenderMethod::trace;
-    int max_depth = 10;                 // longest chain of reflections and refractions
-    int samples = 1;                    // per pixel, or k_adaptive_samples
+    int max_depth = 10;                            // longest chain of reflections and refractions
+    int samples = 1;                               // per pixel, or k_adaptive_samples
     PixelFilter filter = PixelFilter::automatic;   // of traced frames; the rasteriser has automatic and box
-    std::optional<double> exposure{};   // stops; none: automatic, from this frame only
+    std::optional<double> exposure{};              // stops; none: automatic, from this frame only
     ToneMap tonemap = ToneMap::neutral;
     /// Mirrors and refracting bodies show the scene's own surroundings in any case.
     BackgroundKind background = BackgroundKind::environment;

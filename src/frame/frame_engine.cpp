@@ -105,8 +105,8 @@ std::size_t buffer_bytes(Size size, const RenderOptions& options, bool estimate,
         options.samples == k_adaptive_samples ? sizeof(shading::CentreSample) / sizeof(float) + 7 : 0;
     const std::size_t pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
     // Colour; three estimates; four layers of 3, depth and shadows; ids and motion.
-    const std::size_t floats =
-        3 + adaptive + (estimate ? 9 : 0) + (options.layers ? 13 + lights : 0) + (options.ids ? 2 : 0) + (options.motion ? 2 : 0);
+    const std::size_t floats = 3 + adaptive + (estimate ? 9 : 0) + (options.layers ? 13 + lights : 0) +
+                               (options.ids ? 2 : 0) + (options.motion ? 2 : 0);
     return pixels * floats * sizeof(float);
 }
 

@@ -22,7 +22,8 @@ float filter_weight(PixelFilter filter, float distance)
     }
     // The window of four terms [Harris 1978, Table I], as wide as the filter.
     const float turn = 2 * std::numbers::pi_v<float> * (0.5f + d / (2 * k_filter_radius));
-    const float w = 0.35875f - 0.48829f * std::cos(turn) + 0.14128f * std::cos(2 * turn) - 0.01168f * std::cos(3 * turn);
+    const float w =
+        0.35875f - 0.48829f * std::cos(turn) + 0.14128f * std::cos(2 * turn) - 0.01168f * std::cos(3 * turn);
     return std::max(w, 0.0f);
 }
 
@@ -77,8 +78,8 @@ const float* SampleSums::sums_of(int column, int row, int x, int y) const
     if (column < 0 || row < 0 || column >= columns_ || row >= rows_) return nullptr;
     const int in_x = x - column * side_ + 1, in_y = y - row * side_ + 1;
     if (in_x < 0 || in_y < 0 || in_x >= side_ + 2 || in_y >= side_ + 2) return nullptr;
-    const std::size_t tile = static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
-                             static_cast<std::size_t>(column);
+    const std::size_t tile =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
     return sums_.data() + tile * tile_floats_ + static_cast<std::size_t>(in_y * (side_ + 2) + in_x) * stride_;
 }
 
@@ -91,8 +92,8 @@ void SampleSums::resolve(std::size_t tile, const std::function<void(int x, int y
         for (int x = column * side_; x < x_end; ++x) {
             // Add what this tile and those around it hold, row by row.
             std::fill(sum.begin(), sum.end(), 0.0f);
-            const bool inner = x > column * side_ && y > row * side_ && x + 1 < (column + 1) * side_ &&
-                               y + 1 < (row + 1) * side_;
+            const bool inner =
+                x > column * side_ && y > row * side_ && x + 1 < (column + 1) * side_ && y + 1 < (row + 1) * side_;
             const int reach = inner ? 0 : 1;
             for (int r = row - reach; r <= row + reach; ++r)
                 for (int c = column - reach; c <= column + reach; ++c)

@@ -7,8 +7,8 @@
 // pixel's weights are divided by their sum, so the filter neither rings nor changes an even area.
 //
 // Light above the display's white counts less, the brighter the less [after Karis 2013, "Tone mapping"]: otherwise, one
-// sample of a lamp in 16 would make the whole pixel white, and the lamp's edge would have stairs. Light that the
-// display can show is averaged as it is.
+// sample of a light in 16 would make the whole pixel white, and the edge of the emitter would have stairs. Light that
+// the display can show is averaged as it is.
 //
 // Tiles may be filled by different threads: each has sums of its own, with a border of one pixel, and a pixel adds
 // those of up to four tiles in a fixed order.

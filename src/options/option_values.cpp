@@ -65,8 +65,7 @@ std::string expectation(const Option& option, const std::string& value)
                                option.kind == Kind::integer_or_all    ? "all or "
                                : option.kind == Kind::integer_or_auto ? "auto or "
                                                                       : "",
-                               option.range.low,
-                               option.range.high);
+                               option.range.low, option.range.high);
         }
         case Kind::rate: {
             const auto v = parse_rate(value);

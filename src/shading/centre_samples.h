@@ -2,10 +2,10 @@
 #pragma once
 // Finds the pixels that one sample does not show well: those in which something ends.
 //
-// No result of this renderer is noisy, so a pixel needs more samples only where it and its neighbours differ: at edges of
-// objects, at edges of shadows, in highlights and mirror images. Neighbours on one surface are compared by their light,
-// each as if it had the pixel's own reflectance, because textures are filtered over the pixel as it is. An even change
-// over three neighbours needs no further sample either: a filter of the pixels shows it.
+// No result of this renderer is noisy, so a pixel needs more samples only where it and its neighbours differ: at edges
+// of objects, at edges of shadows, in highlights and mirror images. Neighbours on one surface are compared by their
+// light, each as if it had the pixel's own reflectance, because textures are filtered over the pixel as it is. An even
+// change over three neighbours needs no further sample either: a filter of the pixels shows it.
 //
 // Differences are measured as a display shows them, so that the bounds are those of the eye: see shown().
 //
@@ -23,20 +23,20 @@ namespace gnomon::shading {
 /// What the sample at a pixel's centre met.
 struct CentreSample {
     glm::vec3 position{0}, normal{0};
-    glm::vec3 reflectance{1};   // diffuse and specular
-    float width = 0;            // of the pixel at the surface, across the view
+    glm::vec3 reflectance{1};                                   // diffuse and specular
+    float width = 0;                                            // of the pixel at the surface, across the view
     std::uint32_t object = 0xffffffff, material = 0xffffffff;   // the highest number: it met nothing
 };
 
 struct RefineOptions {
-    float exposure = 1;         // factor that makes the image as bright as a display shows it
-    float edge = 0.06f;         // difference of neighbouring surfaces, as shown() has it, that one sample may hide
-    float light = 0.1f;         // likewise, of light on one surface
-    float agree = 0.08f;        // difference of light on one surface within which samples share it
-    float spread = 0.15f;       // difference of a pixel's samples of several surfaces from which on it has all of them
+    float exposure = 1;          // factor that makes the image as bright as a display shows it
+    float edge = 0.06f;          // difference of neighbouring surfaces, as shown() has it, that one sample may hide
+    float light = 0.1f;          // likewise, of light on one surface
+    float agree = 0.08f;         // difference of light on one surface within which samples share it
+    float spread = 0.15f;        // difference of a pixel's samples of several surfaces from which on it has all of them
     float light_spread = 0.3f;   // likewise, of samples of one surface, whose light must be computed
-    float same_normal = 0.9f;   // cosine between normals of neighbours on one surface
-    float off_plane = 1.0f;     // distance of a neighbour's position from the plane of a surface, in widths of the pixel
+    float same_normal = 0.9f;    // cosine between normals of neighbours on one surface
+    float off_plane = 1.0f;   // distance of a neighbour's position from the plane of a surface, in widths of the pixel
 };
 
 /// A colour as the eye compares it: 0 for black, 0.7 for light as bright as the display's white, below 1 for any light.

@@ -74,8 +74,8 @@ std::vector<const ImageF*> averaged_layers(const shading::FrameBuffers& buffers,
 
 /// One of the samples beyond the first of a pixel.
 struct FurtherSample {
-    std::uint32_t pixel;    // of the tile
-    std::uint32_t number;   // scene::refined_offset()
+    std::uint32_t pixel;     // of the tile
+    std::uint32_t number;    // scene::refined_offset()
     std::uint32_t refined;   // number of the pixel among the refined ones of the tile
 };
 

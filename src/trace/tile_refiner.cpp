@@ -137,8 +137,7 @@ void TileTracer::take_samples(const Refinement& refinement, std::span<const std:
         const auto some = refined.subspan(begin, std::min(at_once, refined.size() - begin));
         wanted_.clear();
         for (const std::uint32_t r : some) {
-            for (int k = first; k < end; ++k)
-                wanted_.push_back({refined_[r].pixel, static_cast<std::uint32_t>(k), r});
+            for (int k = first; k < end; ++k) wanted_.push_back({refined_[r].pixel, static_cast<std::uint32_t>(k), r});
             refined_[r].samples = end;
         }
         shade_samples(wanted_);
@@ -230,8 +229,8 @@ bool TileTracer::take_agreed(const TilePoint& point, const shading::CentreSample
     return true;
 }
 
-// Takes the light of the samples near a sample that show the same surface: those at the centres of the pixels around it,
-// and the first few of its own pixel.
+// Takes the light of the samples near a sample that show the same surface: those at the centres of the pixels around
+// it, and the first few of its own pixel.
 bool TileTracer::take_nearest(const TilePoint& point, const shading::CentreSample& own)
 {
     constexpr int k_first = scene::k_first_refined_samples;
@@ -271,8 +270,8 @@ bool TileTracer::take_nearest(const TilePoint& point, const shading::CentreSampl
             add_share(point.pixel, own, refinement_->centres.at(there.x, there.y), weights[i] / sum,
                       single_values_.data());
         } else {
-            const std::size_t from = sample.refined * std::size_t{scene::k_refined_samples} +
-                                     static_cast<std::size_t>(i - 9);
+            const std::size_t from =
+                sample.refined * std::size_t{scene::k_refined_samples} + static_cast<std::size_t>(i - 9);
             add_share(point.pixel, own, known[i - 9], weights[i] / sum, values_.data() + from * channels);
         }
     }
@@ -285,7 +284,8 @@ void TileTracer::add_share(std::uint32_t to, const shading::CentreSample& own, c
                            float weight, const float* values)
 {
     const auto take = [&] {
-        const glm::vec3 light = weight * shading::relit({values[0], values[1], values[2]}, of.reflectance, own.reflectance);
+        const glm::vec3 light =
+            weight * shading::relit({values[0], values[1], values[2]}, of.reflectance, own.reflectance);
         values += 3;
         return light;
     };

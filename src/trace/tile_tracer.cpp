@@ -605,7 +605,8 @@ void TileTracer::keep_lobes(int sample)
     lobe_points_.clear();
     for (const TilePoint& point : points_) {
         if (point.next.lobe_weight == glm::vec3(0)) continue;
-        if (refinement_ && take_lobe(point, shadow_points_[static_cast<std::size_t>(&point - points_.data())])) continue;
+        if (refinement_ && take_lobe(point, shadow_points_[static_cast<std::size_t>(&point - points_.data())]))
+            continue;
         lobe_points_.push_back(point);
         if (!lobes_ || refinement_) continue;
         const glm::ivec2 at = pixel_of_image(point.pixel);

@@ -39,7 +39,8 @@ class TileTracer {
 
     /// @param sums  optional: takes the samples, which `out` then lacks but for the layers of the first one
     void trace(const Tile& tile, shading::FrameBuffers& out, image::SampleSums* sums = nullptr);
-    /// Adds the samples of a tile's selected pixels, which trace() began, to sums: those at the centres, and further ones.
+    /// Adds the samples of a tile's selected pixels, which trace() began, to sums: those at the centres, and further
+    /// ones.
     void refine(const Tile& tile, const Refinement& refinement, RefinedPixels& pixels);
     /// Adds those of the pixels that have one sample.
     void add_single(const Tile& tile, const Refinement& refinement, const RefinedPixels& pixels);
@@ -74,10 +75,10 @@ class TileTracer {
 
     // A pixel with further samples.
     struct Refined {
-        std::uint32_t pixel;   // of the tile
-        int samples = 0;       // further ones
+        std::uint32_t pixel;    // of the tile
+        int samples = 0;        // further ones
         bool several = false;   // the first few show a surface that its centre does not
-        bool found = false;    // they show a surface that no pixel around has at its centre
+        bool found = false;     // they show a surface that no pixel around has at its centre
     };
 
     void begin_tile(const Tile& tile);

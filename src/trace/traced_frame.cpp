@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -89,6 +90,41 @@ void resolve(const image::SampleSums& sums, std::size_t tiles, Tasks& tasks, sha
     });
 }
 
+// Takes further samples where those at the pixels' centres differ, and filters all of them.
+// @param tile_of    by number
+// @param tracer_of  by worker
+void take_further_samples(const shading::CentreSamples& centres, const LobeImage* lobes, const TracedOptions& options,
+                          std::size_t tiles, const std::function<Tile(std::size_t)>& tile_of,
+                          const std::function<TileTracer&(int)>& tracer_of, Tasks& tasks, shading::FrameBuffers& out)
+{
+    const float exposure =
+        std::exp2(options.exposure ? *options.exposure : static_cast<float>(image::auto_exposure(out.color.data)));
+    image::SampleSums sums(centres.size(), options.tile, channels_of(out, options), k_white / exposure);
+    Refinement refinement{centres, out, averaged_layers(std::as_const(out), options), lobes, options.refine, {}, sums};
+    refinement.options.exposure = exposure;
+    refinement.weights[0] = image::sample_weights(options.filter, glm::vec2(0.5f));
+    for (int i = 0; i < scene::k_refined_samples; ++i)
+        refinement.weights[static_cast<std::size_t>(i) + 1] =
+            image::sample_weights(options.filter, scene::refined_offset(i));
+
+    // Refine the selected pixels, and what they lead to, round by round.
+    RefinedPixels pixels(centres.size());
+    pixels.select(refinement, tasks);
+    for (int round = 0; round < RefinedPixels::k_rounds; ++round) {
+        report_progress("refining", static_cast<double>(round) / RefinedPixels::k_rounds);
+        tasks.for_each(tiles, [&](std::size_t index, int worker) {
+            tracer_of(worker).refine(tile_of(index), refinement, pixels);
+        });
+        if (!pixels.select_next(tasks)) break;
+    }
+
+    // Add the other pixels' samples.
+    tasks.for_each(tiles, [&](std::size_t index, int worker) {
+        tracer_of(worker).add_single(tile_of(index), refinement, pixels);
+    });
+    resolve(sums, tiles, tasks, out, options);
+}
+
 }   // namespace
 
 std::vector<ImageF*> averaged_layers(shading::FrameBuffers& buffers, const TracedOptions& options)
@@ -110,6 +146,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
                           const TracedOptions& options, Tasks& tasks, shading::FrameBuffers& out,
                           const Techniques& techniques, TraceLog* log, const Progress& progress)
 {
+    // LONG: the stages of a frame, one after the other, over the same few objects.
     GNOMON_CHECK(!log || (tasks.threads() == 1 && !techniques.shadows));
     GNOMON_CHECK(options.tile > 0 && (options.tile & (options.tile - 1)) == 0);
     EveryShadowRay every_ray(log);
@@ -169,34 +206,14 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     if (filters) resolve(*sums, tiles, tasks, out, options);
     if (lobes) lobes->add_to(out.color, 1.0f / static_cast<float>(options.samples), tasks);
 
-    // Take further samples where these differ, and filter all of them.
     if (options.adaptive) {
-        const float exposure = std::exp2(
-            options.exposure ? *options.exposure : static_cast<float>(image::auto_exposure(out.color.data)));
-        sums.emplace(size, options.tile, channels_of(out, options), k_white / exposure);
-        Refinement refinement{*centres, out, averaged_layers(std::as_const(out), options), lobe_image, options.refine,
-                              {},       *sums};
-        refinement.options.exposure = exposure;
-        refinement.weights[0] = image::sample_weights(options.filter, glm::vec2(0.5f));
-        for (int i = 0; i < scene::k_refined_samples; ++i)
-            refinement.weights[static_cast<std::size_t>(i) + 1] =
-                image::sample_weights(options.filter, scene::refined_offset(i));
-        RefinedPixels pixels(size);
-        pixels.select(refinement, tasks);
-        const auto for_each_tile = [&](const auto& body) {
-            tasks.for_each(tiles, [&](std::size_t index, int worker) {
-                auto& tracer = tracers[static_cast<std::size_t>(worker)];
-                if (!tracer) tracer = make_tracer();
-                body(*tracer, tile_at(index, columns, options.tile, size));
-            });
+        const auto tile_of = [&](std::size_t index) { return tile_at(index, columns, options.tile, size); };
+        const auto tracer_of = [&](int worker) -> TileTracer& {
+            auto& tracer = tracers[static_cast<std::size_t>(worker)];
+            if (!tracer) tracer = make_tracer();
+            return *tracer;
         };
-        for (int round = 0; round < RefinedPixels::k_rounds; ++round) {
-            report_progress("refining", static_cast<double>(round) / RefinedPixels::k_rounds);
-            for_each_tile([&](TileTracer& tracer, const Tile& tile) { tracer.refine(tile, refinement, pixels); });
-            if (!pixels.select_next(tasks)) break;
-        }
-        for_each_tile([&](TileTracer& tracer, const Tile& tile) { tracer.add_single(tile, refinement, pixels); });
-        resolve(*sums, tiles, tasks, out, options);
+        take_further_samples(*centres, lobe_image, options, tiles, tile_of, tracer_of, tasks, out);
     }
 
     // Sum what the threads counted, and let the techniques learn from what their workers found.

@@ -31,8 +31,8 @@ double rmse(std::span<const float> a, std::span<const float> b)
     return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-// A board of 2 x 2 that fills the view, below a lamp. With `shade`, a strip between them casts a shadow on it; the strip
-// itself is not seen.
+// A board of 2 x 2 that fills the view, below a light. With `shade`, a strip between them casts a shadow on it; the
+// strip itself is not seen.
 Scene board(bool shade)
 {
     SceneBuilder builder;
@@ -69,8 +69,7 @@ class Room : public ::testing::Test {
     scene::SceneState state_{scene_, 0};
     ray::RayScene rays_{state_};
     scene::View view_ = scene::make_view(state_, 0, {96, 64});
-    trace::TracedOptions adaptive_{
-        .filter = PixelFilter::blackman_harris, .adaptive = true, .exposure = 0.0f};
+    trace::TracedOptions adaptive_{.filter = PixelFilter::blackman_harris, .adaptive = true, .exposure = 0.0f};
     trace::TracedOptions many_{.samples = 64, .filter = PixelFilter::blackman_harris};
 };
 
@@ -185,9 +184,8 @@ TEST(AdaptiveSamples, RefinesNothingOnAnEvenBoardAndTheEdgeOfAShadowOnIt)
         view.right = {0.9f, 0, 0}, view.up = {0, 0, -0.9f};
         view.size = {64, 64};
         view.pixel_spread = 2 * 0.9f / 64;
-        const Traced result = traced(
-            state, rays, view,
-            {.filter = PixelFilter::blackman_harris, .adaptive = true, .exposure = 0.0f});
+        const Traced result =
+            traced(state, rays, view, {.filter = PixelFilter::blackman_harris, .adaptive = true, .exposure = 0.0f});
         if (!shade) {
             EXPECT_EQ(result.counters.samples.pixels, 0u);
             continue;

@@ -61,9 +61,9 @@ TEST(OutputKind, FollowsExtensionAndPattern)
     EXPECT_EQ(io::output_kind("{frame}.exr"), OutputKind::numbered);
     EXPECT_TRUE(io::is_exr_name("b.EXR"));
     EXPECT_FALSE(io::is_exr_name("exr.png"));
-    for (const char* wrong : {"b", "b.jpg", "b{frame}.mp4", "b{frame.png", "b{frame:4}.png", "b{frame:0}.png",
-                              "b{frame:0x}.png", "b{frame:004}.png", "{frame}{frame}.png", "{framework}.png", "%d%d.png", "%04d-{frame}.png",
-                              "b%d.mp4", ""})
+    for (const char* wrong :
+         {"b", "b.jpg", "b{frame}.mp4", "b{frame.png", "b{frame:4}.png", "b{frame:0}.png", "b{frame:0x}.png",
+          "b{frame:004}.png", "{frame}{frame}.png", "{framework}.png", "%d%d.png", "%04d-{frame}.png", "b%d.mp4", ""})
         EXPECT_THROW(io::output_kind(wrong), UsageError) << wrong;
 }
 

@@ -17,9 +17,9 @@ std::vector<float> resolved(const SampleSums& sums, Size size, std::size_t tiles
     std::vector<float> image(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height) * channels);
     for (std::size_t tile = 0; tile < tiles; ++tile)
         sums.resolve(tile, [&](int x, int y, const float* values) {
-            const auto at = (static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
-                             static_cast<std::size_t>(x)) *
-                            channels;
+            const auto at =
+                (static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(x)) *
+                channels;
             for (std::size_t c = 0; c < channels; ++c) image[at + c] = values[c];
         });
     return image;
@@ -79,7 +79,8 @@ TEST(PixelFilter, BrightPixelReachesItsNeighboursAcrossTiles)
     std::vector<float> gray(25, 0);
     gray[12] = 1;
     const std::vector<float> one_tile = filtered(PixelFilter::blackman_harris, size, 8, gray);
-    const float beside = filter_weight(PixelFilter::blackman_harris, 1) / filter_weight(PixelFilter::blackman_harris, 0);
+    const float beside =
+        filter_weight(PixelFilter::blackman_harris, 1) / filter_weight(PixelFilter::blackman_harris, 0);
     const float sum = 1 + 2 * beside;
     EXPECT_NEAR(one_tile[12 * 3], 1 / (sum * sum), 1e-6f);
     EXPECT_NEAR(one_tile[11 * 3], beside / (sum * sum), 1e-6f);
@@ -107,11 +108,11 @@ TEST(PixelFilter, SamplesOfAPixelStandForItsArea)
 
 TEST(PixelFilter, LightAboveWhiteCountsLess)
 {
-    // One of four samples shows a lamp 30 times as bright as white. Its edge becomes a step below white.
+    // One of four samples shows an emitter 30 times as bright as white. Its edge becomes a step below white.
     SampleSums sums({1, 1}, 1, 4, 1);
     const SampleWeights centre = sample_weights(PixelFilter::box, glm::vec2(0.5f));
-    const float lamp[4] = {30, 30, 30, 1}, dark[4] = {0, 0, 0, 0};
-    sums.add(0, 0, 0, centre, 0.25f, lamp);
+    const float bright[4] = {30, 30, 30, 1}, dark[4] = {0, 0, 0, 0};
+    sums.add(0, 0, 0, centre, 0.25f, bright);
     for (int i = 0; i < 3; ++i) sums.add(0, 0, 0, centre, 0.25f, dark);
     const std::vector<float> image = resolved(sums, {1, 1}, 1);
     EXPECT_LT(image[0], 0.5f);
