@@ -136,9 +136,9 @@ void encode_video(const std::vector<fs::path>& frames, double fps, const fs::pat
 
 std::string rate_text(double fps)
 {
-    constexpr double k_rounding = 1e-6;
+    constexpr double k_rounding = 1e-3;
     const double above = std::round(fps * 1001);
-    const bool whole = std::abs(fps - std::round(fps)) < k_rounding;
+    const bool whole = std::abs(fps - std::round(fps)) < k_rounding / 1001;
     if (!whole && std::abs(fps * 1001 - above) < k_rounding) return fmt::format("{}/1001", std::llround(above));
     return fmt::format("{:.9g}", fps);
 }
