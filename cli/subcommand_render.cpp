@@ -149,6 +149,10 @@ Json frame_of(const FrameRecord& record, const RenderOptions& options)
                {"shadow", std::move(shadow)},
                {"indirect", indirect_of(record, options)},
                {"draws", counters.draws}};
+    if (options.samples == k_adaptive_samples)
+        frame["samples"] = {{"pixels", counters.samples.pixels},
+                            {"taken", counters.samples.taken},
+                            {"shaded", counters.samples.shaded}};
     if (counters.kdtree) {
         const auto work = [](const FrameCounters::KdTree::Work& of) {
             return Json{{"nodes", of.nodes}, {"tests", of.tests}};

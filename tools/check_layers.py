@@ -41,7 +41,7 @@ k_may_include = {
     "irradiance_cache": k_rays | {"vk", "gpu_scene", "light_views", "lighting", "visibility",
                                   "environment_light", "ray/vulkan", "patches"},
     "reference": k_rays | {"lighting", "visibility", "shading"},
-    "trace": k_rays | {"lighting", "visibility", "environment_light", "shading", "shadow_culling", "area_light",
+    "trace": k_rays | {"image", "lighting", "visibility", "environment_light", "shading", "shadow_culling", "area_light",
                        "light_quadtree", "irradiance_cache"},
     "raster": k_rays | {"vk", "gpu_scene", "lighting", "visibility", "shading", "light_views", "area_light",
                         "shadow_textures", "light_quadtree", "irradiance_cache"},

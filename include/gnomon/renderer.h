@@ -20,6 +20,10 @@ namespace gnomon {
 /// left; the reference ends paths by chance, without a bias.
 inline constexpr int k_all_bounces = 1000;
 
+/// RenderOptions::samples: one sample per pixel, and more where something ends within a pixel, such as a shadow or an
+/// object. Rasterised frames, overlays, references and RenderOptions::as_printed have one sample per pixel instead.
+inline constexpr int k_adaptive_samples = 0;
+
 /// Path-traced indirect light: slow, unbiased, and with an estimate of its error. Direct light is computed as without
 /// it, with the same camera rays, so `samples` still controls anti-aliasing.
 struct ReferenceLightOptions {
@@ -46,9 +50,10 @@ struct RenderOptions {
     std::string camera = "auto";    // a name, an index from 0, or auto: the first
     double turntable_seconds = 0;   // seconds in which the camera circles the scene; 0: off
     RenderMethod renderer = RenderMethod::trace;
-    int max_depth = 10;                 // longest chain of reflections and refractions
-    int samples = 1;                    // per pixel
-    std::optional<double> exposure{};   // stops; none: automatic, from this frame only
+    int max_depth = 10;                            // longest chain of reflections and refractions
+    int samples = 1;                               // per pixel, or k_adaptive_samples
+    PixelFilter filter = PixelFilter::automatic;   // of traced frames; the rasteriser has automatic and box
+    std::optional<double> exposure{};              // stops; none: automatic, from this frame only
     ToneMap tonemap = ToneMap::neutral;
     /// Mirrors and refracting bodies show the scene's own surroundings in any case.
     BackgroundKind background = BackgroundKind::environment;

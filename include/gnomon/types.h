@@ -60,6 +60,11 @@ enum class Overlay { none, shadow_states, redrawn, clusters };
 /// The curve from linear radiance to screen colour: a cut at white, Khronos PBR Neutral, AgX, or ACES.
 enum class ToneMap { none, neutral, agx, aces };
 
+/// How the samples of an image make its pixels. box: the mean of a pixel's own samples. gaussian, blackman_harris:
+/// weights that fall off smoothly to 1.5 pixels from the pixel's centre; none is negative, so nothing rings. automatic:
+/// blackman_harris with adaptive samples, and box with a fixed number.
+enum class PixelFilter { automatic, box, gaussian, blackman_harris };
+
 /// Work that was done and work that was avoided in one frame.
 struct FrameCounters {
     /// Shadow rays.
@@ -106,6 +111,12 @@ struct FrameCounters {
         bool began_anew = false;       // the scene was new to the renderer, or differs in more than parts that may
                                        // move; or something fixed was promoted
     } update;
+    /// Adaptive samples (k_adaptive_samples).
+    struct Samples {
+        std::uint64_t pixels = 0;   // pixels that have more than one sample
+        std::uint64_t taken = 0;    // samples beyond the first of each pixel
+        std::uint64_t shaded = 0;   // of these, the ones that could not take their light from neighbouring pixels
+    } samples;
     std::uint64_t primary_rays = 0;
     std::uint64_t reflection_rays = 0;
     std::uint64_t refraction_rays = 0;

@@ -22,7 +22,7 @@ constexpr int k_most_frames_unasked = 100'000;
 
 /// What to render, and where to.
 struct VideoJob {
-    std::filesystem::path out;          // .png, .mp4, or a numbered set: name-{frame:04}.png
+    std::filesystem::path out;          // .png, .mp4, or a numbered set: name-{frame:04}.png or name-%04d.png
     std::optional<FrameRange> frames;   // inclusive; none: the whole clip, or frame 1 for a single image
     double fps = 24;                    // frames a second of a video, 0.001 to 1000
     /// Renders only the part `chunk` (from 1) of `chunks` contiguous ones; of a video, it leaves frames only.

@@ -60,7 +60,10 @@ void check_options(const RenderOptions& o)
     check_known("the arithmetic", o.arithmetic, Arithmetic::native);
     check_known("the overlay", o.overlay, Overlay::clusters);
     check_range("max depth is", o.max_depth, ranges::max_depth);
-    check_range("samples are", o.samples, ranges::samples);
+    if (o.samples != k_adaptive_samples) check_range("samples are", o.samples, ranges::samples);
+    check_known("the pixel filter", o.filter, PixelFilter::blackman_harris);
+    if (o.renderer == RenderMethod::raster && o.filter != PixelFilter::automatic && o.filter != PixelFilter::box)
+        throw UsageError("a filter wider than the pixel is one of traced frames: not with the rasteriser");
     if (o.reference) {
         check_range("spp is", o.reference->spp, ranges::spp);
         check_range("bounces are", o.reference->bounces, ranges::reference_bounces);

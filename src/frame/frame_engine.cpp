@@ -91,13 +91,22 @@ auto raster_key(const RenderOptions& o)
                       o.indirect_on, o.background == BackgroundKind::environment, cache_key(o), map_key(o));
 }
 
+PixelFilter filter_of(PixelFilter filter, bool adaptive)
+{
+    if (filter != PixelFilter::automatic) return filter;
+    return adaptive ? PixelFilter::blackman_harris : PixelFilter::box;
+}
+
 // Bytes of the buffers of a frame.
 std::size_t buffer_bytes(Size size, const RenderOptions& options, bool estimate, std::size_t lights)
 {
+    // Adaptive samples: what centres met, and sums of colour, alpha and weights with the borders of tiles.
+    const std::size_t adaptive =
+        options.samples == k_adaptive_samples ? sizeof(shading::CentreSample) / sizeof(float) + 7 : 0;
     const std::size_t pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
     // Colour; three estimates; four layers of 3, depth and shadows; ids and motion.
-    const std::size_t floats =
-        3 + (estimate ? 9 : 0) + (options.layers ? 13 + lights : 0) + (options.ids ? 2 : 0) + (options.motion ? 2 : 0);
+    const std::size_t floats = 3 + adaptive + (estimate ? 9 : 0) + (options.layers ? 13 + lights : 0) +
+                               (options.ids ? 2 : 0) + (options.motion ? 2 : 0);
     return pixels * floats * sizeof(float);
 }
 
@@ -325,7 +334,7 @@ void FrameEngine::fit_rasterizer(const RenderOptions& options)
     }
     raster_.reset();   // first, because a device may have memory for one of them alone
     raster_ = make_rasterizer(
-        *state_, {.samples = options.samples,
+        *state_, {.samples = std::max(options.samples, 1),
                   .layers = options.layers,
                   .shadows = options.shadow_textures,
                   .as_printed = options.as_printed,
@@ -504,7 +513,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
         const bool surroundings = scene_->background.kind != scene::Background::Kind::color;
         techniques.indirect = &reference.emplace(
             reference::ReferenceOptions{spp, bounces, seed, surroundings, true, true, options_.sun_size * k_pi / 180},
-            options_.samples);
+            std::max(options_.samples, 1));
     }
 
     // The reference samples emissive surfaces by itself.
@@ -527,7 +536,13 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
 
     trace::TracedOptions traced;
     traced.max_depth = options_.max_depth;
-    traced.samples = options_.samples;
+    // Overlays, references and the papers by the letter have one sample a pixel rather than adaptive ones.
+    traced.adaptive = options_.samples == k_adaptive_samples && plan_.shown == Shown::light && !plan_.reference &&
+                      !options_.as_printed;
+    traced.samples = std::max(options_.samples, 1);
+    traced.filter = filter_of(options_.filter, traced.adaptive);
+    if (plan_.reference || plan_.shown != Shown::light) traced.filter = PixelFilter::box;
+    if (options_.exposure) traced.exposure = static_cast<float>(*options_.exposure);
     traced.backdrop_apart = options_.background != BackgroundKind::environment && plan_.shown == Shown::light;
     traced.layers = options_.layers && plan_.shown == Shown::light;
     if (in_scanline_order) traced.tile = 1;

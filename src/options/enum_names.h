@@ -49,6 +49,13 @@ inline constexpr EnumName<ToneMap> k_enum_names<ToneMap>[] = {
     {"aces", ToneMap::aces},
 };
 template <>
+inline constexpr EnumName<PixelFilter> k_enum_names<PixelFilter>[] = {
+    {"auto", PixelFilter::automatic},
+    {"box", PixelFilter::box},
+    {"gaussian", PixelFilter::gaussian},
+    {"blackman-harris", PixelFilter::blackman_harris},
+};
+template <>
 inline constexpr EnumName<Overlay> k_enum_names<Overlay>[] = {
     {"none", Overlay::none, false},
     {"shadow-states", Overlay::shadow_states},

@@ -95,9 +95,9 @@ constexpr Option k_options[] = {
      .group = k_frames, .help = "first and last frame (default: the first 10 frames)"},
     {.name = "frames", .argument = "F", .kind = Kind::integer, .fallback = "7", .range = {1, 200},
      .subcommands = bit(bench_shadow_textures), .group = k_frames, .help = "number of frames to measure, after two warm-up frames; times are medians"},
-    {.name = "fps", .argument = "F", .kind = Kind::number, .range = {0.001, 1000},
+    {.name = "fps", .argument = "F", .kind = Kind::rate, .range = {0.001, 1000},
      .subcommands = k_images | bit(info), .group = k_frames,
-     .help = "frames per second (default: that of the file, else 24)"},
+     .help = "frames per second, a number or a fraction such as 24000/1001 (default: that of the file, else 24)"},
     {.name = "animation", .argument = "NAME|N|all", .kind = Kind::text, .subcommands = k_scened | bit(info), .group = k_frames,
      .help = "animation of a glTF file that plays, by name or by number from 0; all: all of them (default: the first, and "
              "each further one that animates nothing that one before it animates)"},
@@ -158,8 +158,16 @@ constexpr Option k_options[] = {
     {.name = "truth", .argument = "N", .kind = Kind::integer, .fallback = "16384", .range = {64, 1048576},
      .subcommands = bit(bench_lights), .group = k_quality,
      .help = "shadow rays a point for the truth that errors are measured against"},
-    {.name = "samples", .argument = "N", .kind = Kind::integer, .fallback = "1", .range = ranges::samples,
-     .subcommands = k_images, .group = k_quality, .help = "samples per pixel"},
+    {.name = "samples", .argument = "N|auto", .kind = Kind::integer_or_auto, .fallback = "auto", .range = ranges::samples,
+     .subcommands = bit(render), .group = k_quality,
+     .help = "samples per pixel. auto: one, and up to 16 more where something ends within the pixel: edges of objects and "
+             "of shadows, highlights, what mirrors show; one with --renderer raster, --reference, --overlay and --as-printed"},
+    {.name = "samples", .argument = "N|auto", .kind = Kind::integer_or_auto, .fallback = "1", .range = ranges::samples,
+     .subcommands = bit(view), .group = k_quality, .help = "samples per pixel; auto: as of render"},
+    {.name = "filter", .argument = "NAME", .kind = Kind::choice, .fallback = "auto", .choices = k_choices<PixelFilter>,
+     .subcommands = k_images, .group = k_quality,
+     .help = "how samples make a pixel. box: their mean; gaussian, blackman-harris: smooth, with those of the pixels "
+             "around it; auto: blackman-harris with --samples auto, else box"},
     {.name = "memory", .argument = "MB", .kind = Kind::integer, .fallback = "0", .range = ranges::memory,
      .subcommands = k_images | bit(info), .group = k_quality,
      .help = "limit of what the scene's file may ask for (0: 2048 MB): textures beyond it are halved, for anything else the "

@@ -38,11 +38,13 @@ struct SubcommandInfo {
 
 enum class Kind : std::uint8_t {
     flag,
-    optional_file,    // a flag with an optional file: --json or --json=FILE
-    integer,          // in `range`
-    number,           // in `range`
-    number_or_auto,   // a number, or the word auto
-    integer_or_all,   // in `range`, or the word all, which is its end
+    optional_file,     // a flag with an optional file: --json or --json=FILE
+    integer,           // in `range`
+    number,            // in `range`
+    rate,              // a number in `range`, or a fraction A/B
+    number_or_auto,    // a number, or the word auto
+    integer_or_auto,   // in `range`, or the word auto
+    integer_or_all,    // in `range`, or the word all, which is its end
     text,
     choice,   // one of `choices`
     size,     // WxH

@@ -55,13 +55,22 @@ std::string expectation(const Option& option, const std::string& value)
         case Kind::text:
             return value.empty() ? fmt::format("expected {}", option.argument) : std::string();
         case Kind::integer_or_all:
-            if (value == "all") return {};
+        case Kind::integer_or_auto:
+            if (value == (option.kind == Kind::integer_or_all ? "all" : "auto")) return {};
             [[fallthrough]];
         case Kind::integer: {
             const auto v = parse_integer(value);
             if (v && within(static_cast<double>(*v))) return {};
             return fmt::format("expected {}a whole number from {} to {}",
-                               option.kind == Kind::integer_or_all ? "all or " : "", option.range.low,
+                               option.kind == Kind::integer_or_all    ? "all or "
+                               : option.kind == Kind::integer_or_auto ? "auto or "
+                                                                      : "",
+                               option.range.low, option.range.high);
+        }
+        case Kind::rate: {
+            const auto v = parse_rate(value);
+            if (v && within(*v)) return {};
+            return fmt::format("expected a number from {} to {}, or a fraction such as 24000/1001", option.range.low,
                                option.range.high);
         }
         case Kind::number_or_auto:
@@ -103,6 +112,15 @@ std::optional<double> parse_number(std::string_view word)
 {
     const auto value = parse_whole<double>(word);
     return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+std::optional<double> parse_rate(std::string_view word)
+{
+    const std::size_t slash = word.find('/');
+    if (slash == std::string_view::npos) return parse_number(word);
+    const auto above = parse_integer(word.substr(0, slash)), below = parse_integer(word.substr(slash + 1));
+    if (!above || !below || *above < 1 || *below < 1) return std::nullopt;
+    return static_cast<double>(*above) / static_cast<double>(*below);
 }
 
 std::optional<long long> parse_integer(std::string_view word)
@@ -216,7 +234,7 @@ void OptionValues::check_choices(std::string_view name, std::string_view choices
 
 double OptionValues::number(std::string_view name) const
 {
-    const auto value = parse_number(text(name));
+    const auto value = parse_rate(text(name));
     GNOMON_CHECK(value.has_value());
     return *value;
 }

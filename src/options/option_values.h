@@ -15,6 +15,8 @@ namespace gnomon::options {
 
 /// Parse words as values; return nothing if they are invalid.
 std::optional<double> parse_number(std::string_view word);
+/// A number, or a fraction of two whole numbers above 0: 24000/1001.
+std::optional<double> parse_rate(std::string_view word);
 std::optional<long long> parse_integer(std::string_view word);
 std::optional<Size> parse_size(std::string_view word);          // WxH
 std::optional<FrameRange> parse_range(std::string_view word);   // A-B, or A alone

@@ -82,7 +82,8 @@ RenderOptions read_render_options(const OptionValues& values)
             throw UsageError("--overlay-light needs --overlay shadow-states");
         options.overlay_light = values.integer("overlay-light");
     }
-    options.samples = values.integer("samples");
+    options.samples = values.text("samples") == "auto" ? k_adaptive_samples : values.integer("samples");
+    options.filter = values.choice<PixelFilter>("filter");
     if (values.text("exposure") != "auto") options.exposure = values.number("exposure");
     options.tonemap = values.choice<ToneMap>("tonemap");
     read_background(values.text("background"), options);

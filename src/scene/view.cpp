@@ -210,4 +210,15 @@ glm::vec2 sample_offset(int i, int n)
     return {static_cast<float>(x - std::floor(x)), static_cast<float>(y - std::floor(y))};
 }
 
+glm::vec2 refined_offset(int i)
+{
+    GNOMON_CHECK(i >= 0 && i < k_refined_samples);
+    // In cells of 16 x 16. Of scrambled nets, one whose points are far from each other, from the pixel's centre, and
+    // from those of the neighbouring pixels.
+    static constexpr std::uint8_t k_cells[k_refined_samples][2] = {
+        {8, 14}, {6, 3},  {13, 6},  {2, 8}, {11, 0}, {4, 12}, {15, 10}, {1, 4},
+        {9, 5},  {7, 11}, {12, 13}, {3, 1}, {10, 9}, {5, 7},  {14, 2},  {0, 15}};
+    return {(static_cast<float>(k_cells[i][0]) + 0.5f) / 16, (static_cast<float>(k_cells[i][1]) + 0.5f) / 16};
+}
+
 }   // namespace gnomon::scene

@@ -57,4 +57,10 @@ View turned(const View& view, const glm::vec3& centre, double angle);
 /// It is the same for every pixel.
 glm::vec2 sample_offset(int i, int n);
 
+/// The samples of a pixel beyond the one at its centre, where samples are adaptive.
+inline constexpr int k_refined_samples = 16, k_first_refined_samples = 4;
+/// Position of the i-th of them. All of them, and the first few by themselves, are points of a (0, 2)-net in base 2:
+/// one in each of so many columns and rows of the pixel, and in each of so many of its squares.
+glm::vec2 refined_offset(int i);
+
 }   // namespace gnomon::scene

@@ -103,9 +103,10 @@ void EnvironmentLighting::find_guides(const PointBatch& batch, std::span<const s
     const Tile& tile = batch.tile;
     const auto side = static_cast<std::uint32_t>(tile.side);
     constexpr auto k_nobody = 0xffffffffu;
+    guides_.assign(points.size(), {});
+    if (batch.scattered()) return;
     asked_of_pixel_.assign(std::size_t{side} * side, k_nobody);
     for (std::uint32_t k = 0; k < points.size(); ++k) asked_of_pixel_[batch.points[points[k]].pixel] = k;
-    guides_.assign(points.size(), {});
     for (std::uint32_t k = 0; k < points.size(); ++k) {
         const TilePoint& point = batch.points[points[k]];
         const auto x = static_cast<int>(point.pixel % side), y = static_cast<int>(point.pixel / side);

@@ -45,7 +45,7 @@ class CachedIndirect::Work final : public Worker {
             const float width = s.cone.width * wider;
             asked_.push_back({s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u, here.v,
                               width, s.to_viewer});
-            if (batch.primary) {
+            if (batch.primary && !batch.scattered()) {
                 const int pixel = static_cast<int>(point.pixel);
                 asked_.back().x = static_cast<std::int16_t>(pixel % batch.tile.side);
                 asked_.back().y = static_cast<std::int16_t>(pixel / batch.tile.side);
@@ -93,7 +93,7 @@ class MapIndirect::Work final : public Worker {
             receiver.position = s.position;
             receiver.normal = s.normal;
             receiver.width = s.cone.width;
-            if (batch.primary) receiver.pixel = batch.tile.pixel_of_image(batch.points[p].pixel);
+            if (batch.primary) receiver.pixel = batch.pixel_of_image(batch.points[p]);
             result.point.push_back(p);
         }
         result.irradiance.resize(receivers_.size());

@@ -52,7 +52,7 @@ glm::vec3 LobeImage::filtered(int x, int y, const LobeFilterOptions& options) co
     return result;
 }
 
-void LobeImage::add_to(ImageF& color, float scale, Tasks& tasks, const LobeFilterOptions& options) const
+void LobeImage::add_to(ImageF& color, float scale, Tasks& tasks, const LobeFilterOptions& options)
 {
     GNOMON_CHECK(color.width == size_.width && color.height == size_.height);
     const auto for_each_row = [&](const auto& body) {
@@ -67,7 +67,8 @@ void LobeImage::add_to(ImageF& color, float scale, Tasks& tasks, const LobeFilte
     });
     for_each_row([&](int y) {
         for (int x = 0; x < size_.width; ++x) {
-            const glm::vec3 light = scale * once.filtered(x, y, options);
+            at(x, y).filtered = once.filtered(x, y, options);
+            const glm::vec3 light = scale * at(x, y).filtered;
             float* const to = color.pixel(x, y);
             for (int c = 0; c < 3; ++c) to[c] += light[c];
         }

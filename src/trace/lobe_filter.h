@@ -28,6 +28,7 @@ struct LobePixel {
     float width = 0;                  // shading::lobe_width()
     float footprint = 0;              // of the pixel on the surface, its longer axis
     float nearness = 0;               // mean of 1 / distance of what the rays met
+    glm::vec3 filtered{0};            // `light`, filtered twice: see LobeImage::add_to()
 };
 
 struct LobeFilterOptions {
@@ -45,8 +46,8 @@ class LobeImage {
     }
     LobePixel& at(int x, int y) { return pixels_[index(x, y)]; }
     const LobePixel& at(int x, int y) const { return pixels_[index(x, y)]; }
-    /// Adds each pixel's light, filtered twice and times `scale`, to an image of the same size.
-    void add_to(ImageF& color, float scale, Tasks& tasks, const LobeFilterOptions& options = {}) const;
+    /// Adds each pixel's light, filtered twice and times `scale`, to an image of the same size, and keeps it.
+    void add_to(ImageF& color, float scale, Tasks& tasks, const LobeFilterOptions& options = {});
     /// A pixel's light, filtered once.
     glm::vec3 filtered(int x, int y, const LobeFilterOptions& options = {}) const;
 

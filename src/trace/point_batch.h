@@ -49,7 +49,7 @@ struct LobePath {
 
 /// The path that a ray in a queue continues.
 struct Path {
-    std::uint32_t pixel;    // of the tile
+    std::uint32_t pixel;    // of the tile; or the number of a sample (PointBatch::pixels)
     glm::vec3 throughput;   // of the path so far: the weight of what the ray brings in the pixel's colour
     shading::RayCone cone;
     bool sees_no_light = false;   // emission and background at its end are counted already, by a lobe
@@ -64,7 +64,7 @@ struct Path {
 struct TilePoint {
     shading::SurfacePoint surface;
     shading::Continuation next;
-    std::uint32_t pixel;   // of the tile
+    std::uint32_t pixel;   // as of its path
     glm::vec3 throughput;
     float parts = 1;            // as of its path
     bool straight = false;      // see Path
@@ -82,6 +82,14 @@ struct PointBatch {
     Tile tile;
     bool primary = false;        // first hits, not seen in mirrors or through glass
     bool first_sample = false;   // of the pixels
+    /// Empty, or the pixels, of the tile, of further samples of some pixels: TilePoint::pixel then numbers the samples.
+    std::span<const std::uint32_t> pixels = {};
+
+    bool scattered() const { return !pixels.empty(); }
+    glm::ivec2 pixel_of_image(const TilePoint& point) const
+    {
+        return tile.pixel_of_image(scattered() ? pixels[point.pixel] : point.pixel);
+    }
 };
 
 /// The first hits of a tile, by ray.

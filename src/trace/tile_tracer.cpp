@@ -56,7 +56,7 @@ glm::uvec2 random_flip(std::uint64_t seed, std::uint64_t stream)
 
 TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, ShadowTester& shadows,
                        const SizedTechnique& sized, EnvironmentTechnique* environment, IndirectLight* indirect,
-                       LobeImage* lobes, TraceLog* log)
+                       LobeImage* lobes, shading::CentreSamples* centres, TraceLog* log)
     : state_(frame.state),
       scene_(frame.state.scene()),
       rays_(frame.rays),
@@ -68,6 +68,7 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
       is_estimate_(indirect && indirect->is_estimate()),
       log_(log),
       horizon_(frame.rays),
+      centres_(centres),
       lobes_(lobes)
 {
     if (options.max_depth > 0 && options.lobe_rays > 0)
@@ -88,35 +89,40 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
     for (PathQueue* queue : {&refracted_, &next_refracted_}) queue->rays.purpose = ray::RayClass::refraction;
 }
 
-void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out)
+void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out, image::SampleSums* sums)
 {
     begin_tile(tile);
     for (int sample = 0; sample < options_.samples; ++sample) {
         interruption_point();
         Stopwatch watch(times_);
-
-        // Trace the pixels' rays, and shade what they hit.
         queue_primary(sample);
-        clear_points();
-        trace_queue(primary_);
-        watch.end(FrameTimes::rays);
-        if (sample == 0) shadows_->note_primary_hits({primary_.rays, hits_, primary_.paths, tile_});
-        shade_hits(primary_, true, sample);
-        watch.end(FrameTimes::surfaces);
-        add_lights(batch(true, sample), watch);
-        add_environment(batch(true, sample), watch);
-        add_sized_lights(batch(true, sample), watch);
-        add_indirect(batch(true, sample));
-        watch.end(FrameTimes::indirect);
-
-        // Do the same for mirrored and refracted rays, one depth after the other, and for the rays of lobes.
-        keep_lobes(sample);
-        queue_continuations(true);
-        follow_paths(sample, watch);
-        trace_lobes(sample, watch);
+        shade_sample(sample, watch);
+        if (sums) add_samples(sample, *sums);
     }
     store_lobes();
     store(out);
+}
+
+// Traces the queued rays of pixels, and shades what they hit.
+void TileTracer::shade_sample(int sample, Stopwatch& watch)
+{
+    clear_points();
+    trace_queue(primary_);
+    watch.end(FrameTimes::rays);
+    if (sample == 0) shadows_->note_primary_hits({primary_.rays, hits_, primary_.paths, tile_});
+    shade_hits(primary_, true, sample);
+    watch.end(FrameTimes::surfaces);
+    add_lights(batch(true, sample), watch);
+    add_environment(batch(true, sample), watch);
+    add_sized_lights(batch(true, sample), watch);
+    add_indirect(batch(true, sample));
+    watch.end(FrameTimes::indirect);
+
+    // Do the same for mirrored and refracted rays, one depth after the other, and for the rays of lobes.
+    keep_lobes(sample);
+    queue_continuations(true);
+    follow_paths(sample, watch);
+    trace_lobes(sample, watch);
 }
 
 // Follows the queued rays to the last depth.
@@ -148,16 +154,57 @@ void TileTracer::begin_tile(const Tile& tile)
     tile_ = tile;
     if (indirect_) indirect_->begin_tile(tile);
     lobe_light_.clear();
+    pixels_.clear();
     const auto pixels = static_cast<std::size_t>(tile.side) * static_cast<std::size_t>(tile.side);
-    color_.assign(pixels, glm::vec3(0));
-    if (options_.backdrop_apart) backdrop_.assign(pixels, glm::vec3(0));
-    if (options_.layers) {
-        for (auto* layer : {&direct_, &indirect_color_, &albedo_, &normal_}) layer->assign(pixels, glm::vec3(0));
-        depth_.assign(pixels, 0);
-        shadow_.assign(pixels * scene_.lights.size(), 0);
-    }
+    clear_sums(pixels);
+    if (options_.layers) normal_.assign(pixels, glm::vec3(0)), depth_.assign(pixels, 0);
     if (is_estimate_)
         for (auto* layer : {&first_irradiance_, &first_variance_, &variance_}) layer->assign(pixels, glm::vec3(0));
+}
+
+// Forgets what samples have brought.
+// @param count  pixels of the tile, or further samples
+void TileTracer::clear_sums(std::size_t count)
+{
+    color_.assign(count, glm::vec3(0));
+    if (options_.backdrop_apart) backdrop_.assign(count, glm::vec3(0));
+    if (!options_.layers) return;
+    for (auto* layer : {&direct_, &indirect_color_, &albedo_}) layer->assign(count, glm::vec3(0));
+    shadow_.assign(count * scene_.lights.size(), 0);
+}
+
+// Adds the samples of all pixels to sums, and forgets them.
+void TileTracer::add_samples(int sample, image::SampleSums& sums)
+{
+    const glm::vec2 offset = scene::sample_offset(sample, options_.samples);
+    const image::SampleWeights weights = image::sample_weights(options_.filter, offset);
+    std::vector<float> values(static_cast<std::size_t>(sums.channels()));
+    for (int y = 0; y < tile_.height; ++y)
+        for (int x = 0; x < tile_.width; ++x) {
+            values_of(static_cast<std::size_t>(y * tile_.side + x), values.data());
+            sums.add(number_of(tile_), x, y, weights, 1, values.data());
+        }
+    clear_sums(color_.size());
+}
+
+std::size_t TileTracer::number_of(const Tile& tile) const
+{
+    const int columns = (view_.size.width + options_.tile - 1) / options_.tile;
+    return static_cast<std::size_t>(tile.y / options_.tile * columns + tile.x / options_.tile);
+}
+
+// The channels of a sample, in the order of averaged_layers().
+void TileTracer::values_of(std::size_t at, float* values) const
+{
+    const auto put = [&](const glm::vec3& v) {
+        for (int c = 0; c < 3; ++c) *values++ = v[c];
+    };
+    put(color_[at]);
+    if (options_.backdrop_apart) *values++ = 1 - std::clamp(luminance(backdrop_[at]), 0.0f, 1.0f);
+    if (!options_.layers) return;
+    put(direct_[at]), put(indirect_color_[at]), put(albedo_[at]);
+    const std::size_t lights = scene_.lights.size();
+    std::copy_n(shadow_.data() + at * lights, lights, values);
 }
 
 void TileTracer::clear_points()
@@ -169,7 +216,7 @@ void TileTracer::clear_points()
 
 PointBatch TileTracer::batch(bool primary, int sample) const
 {
-    return {points_, shadow_points_, normals_, tile_, primary, sample == 0};
+    return {points_, shadow_points_, normals_, tile_, primary, sample == 0, pixels_};
 }
 
 // Queues primary rays in Morton order, so that a packet covers a block of 4 x 2 or 4 x 4 pixels.
@@ -181,16 +228,21 @@ void TileTracer::queue_primary(int sample)
     for (std::uint32_t code = 0; code < count; ++code) {
         const int x = static_cast<int>(even_bits(code)), y = static_cast<int>(even_bits(code >> 1));
         if (x >= tile_.width || y >= tile_.height) continue;
-        glm::vec3 origin, direction;
-        float tnear, tfar;
-        view_.ray(static_cast<float>(tile_.x + x) + offset.x, static_cast<float>(tile_.y + y) + offset.y, origin,
-                  direction, tnear, tfar);
-        Path path{
-            static_cast<std::uint32_t>(y * tile_.side + x), glm::vec3(1), {view_.pixel_width, view_.pixel_spread}};
-        path.straight = true;
-        primary_.push(path, origin, tnear, direction, tfar);
+        queue_camera_ray(static_cast<std::uint32_t>(y * tile_.side + x), glm::vec2(tile_.x + x, tile_.y + y) + offset);
     }
     counters_.primary_rays += primary_.rays.size();
+}
+
+// @param pixel  of the tile, or the number of a further sample
+// @param at     in the image, in pixels
+void TileTracer::queue_camera_ray(std::uint32_t pixel, const glm::vec2& at)
+{
+    glm::vec3 origin, direction;
+    float tnear, tfar;
+    view_.ray(at.x, at.y, origin, direction, tnear, tfar);
+    Path path{pixel, glm::vec3(1), {view_.pixel_width, view_.pixel_spread}};
+    path.straight = true;
+    primary_.push(path, origin, tnear, direction, tfar);
 }
 
 void TileTracer::trace_queue(const PathQueue& queue)
@@ -253,6 +305,14 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         if (path.lobe.rays > 0) shading::widen_lobe(rays_.geometry(hits_.object[i]), hits_.triangle[i], point.surface);
         point.parts = path.parts;
         const shading::SurfacePoint& s = point.surface;
+        if (primary && refinement_ && take_light(point, hits_.object[i], hits_.triangle[i])) {
+            points_.pop_back();
+            continue;
+        }
+        if (primary && centres_ && sample == 0 && !refinement_) {
+            const glm::ivec2 at = tile_.pixel_of_image(point.pixel);
+            centres_->at(at.x, at.y) = centre_sample(s, hits_.object[i], hits_.triangle[i]);
+        }
         if (s.layered) point.throughput *= shading::attenuation(s, hits_.t[i]);
 
         point.next = shading::continue_from(s);
@@ -390,8 +450,7 @@ void TileTracer::add_sized_lights(const PointBatch& batch, Stopwatch& watch)
 void TileTracer::add_environment(const PointBatch& batch, Stopwatch& watch)
 {
     if (!environment_) return;
-    const int columns = (view_.size.width + options_.tile - 1) / options_.tile;
-    const auto tile = static_cast<std::size_t>(tile_.y / options_.tile * columns + tile_.x / options_.tile);
+    const std::size_t tile = number_of(tile_);
     const std::size_t lights = scene_.lights.size();
     environment_->light_by_suns(batch, tile, state_,
                                 [&](const TilePoint& point, const glm::vec3& reflected, scene::LightId l, float share) {
@@ -523,7 +582,7 @@ void TileTracer::queue_lobe(const TilePoint& point, std::uint32_t first, const g
 // Queues the lobe of a point seen in a mirror, through glass, or by a ray of another lobe. A path is divided once.
 void TileTracer::queue_nested_lobe(const TilePoint& point)
 {
-    const glm::ivec2 at = tile_.pixel_of_image(point.pixel);
+    const glm::ivec2 at = pixel_of_image(point.pixel);
     const bool divided = point.lobe.rays > 0;
     const auto rays = static_cast<std::size_t>(divided ? 1 : rays_of_lobe_);
     LobePath path = point.lobe;
@@ -546,9 +605,11 @@ void TileTracer::keep_lobes(int sample)
     lobe_points_.clear();
     for (const TilePoint& point : points_) {
         if (point.next.lobe_weight == glm::vec3(0)) continue;
+        if (refinement_ && take_lobe(point, shadow_points_[static_cast<std::size_t>(&point - points_.data())]))
+            continue;
         lobe_points_.push_back(point);
-        if (!lobes_) continue;
-        const glm::ivec2 at = tile_.pixel_of_image(point.pixel);
+        if (!lobes_ || refinement_) continue;
+        const glm::ivec2 at = pixel_of_image(point.pixel);
         LobePixel& pixel = lobes_->at(at.x, at.y);
         pixel.weight += point.throughput * point.next.lobe_weight;
         if (sample != 0) continue;
@@ -572,7 +633,7 @@ void TileTracer::trace_lobes(int sample, Stopwatch& watch)
         const std::size_t end = std::min(begin + at_once, lobe_points_.size());
         for (std::size_t p = begin; p < end; ++p) {
             const TilePoint& point = lobe_points_[p];
-            const glm::ivec2 at = tile_.pixel_of_image(point.pixel);
+            const glm::ivec2 at = pixel_of_image(point.pixel);
             LobePath path{1, 0, static_cast<float>(rays)};
             if (!options_.random_lobes) {
                 const std::uint32_t block =

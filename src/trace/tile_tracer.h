@@ -10,6 +10,7 @@
 #include "trace/environment_lighting.h"
 #include "trace/indirect_light.h"
 #include "trace/lobe_filter.h"
+#include "trace/refinement.h"
 #include "trace/shadow_tester.h"
 #include "trace/sized_lighting.h"
 #include "trace/smooth_horizon.h"
@@ -30,12 +31,19 @@ class TileTracer {
     /// @param lobes        optional: takes what lobe rays of primary hits bring, so that it can be filtered. Without,
     /// it
     ///                     is part of the colour
+    /// @param centres      optional: takes what the pixels' first samples met
     /// @param log          optional: takes all rays but shadow rays
     TileTracer(const FrameContext& frame, const TracedOptions& options, ShadowTester& shadows,
                const SizedTechnique& sized, EnvironmentTechnique* environment, IndirectLight* indirect,
-               LobeImage* lobes, TraceLog* log);
+               LobeImage* lobes, shading::CentreSamples* centres, TraceLog* log);
 
-    void trace(const Tile& tile, shading::FrameBuffers& out);
+    /// @param sums  optional: takes the samples, which `out` then lacks but for the layers of the first one
+    void trace(const Tile& tile, shading::FrameBuffers& out, image::SampleSums* sums = nullptr);
+    /// Adds the samples of a tile's selected pixels, which trace() began, to sums: those at the centres, and further
+    /// ones.
+    void refine(const Tile& tile, const Refinement& refinement, RefinedPixels& pixels);
+    /// Adds those of the pixels that have one sample.
+    void add_single(const Tile& tile, const Refinement& refinement, const RefinedPixels& pixels);
     /// Rays other than those of the techniques.
     const FrameCounters& counters() const { return counters_; }
     /// Milliseconds of this thread.
@@ -65,10 +73,43 @@ class TileTracer {
         }
     };
 
+    // A pixel with further samples.
+    struct Refined {
+        std::uint32_t pixel;    // of the tile
+        int samples = 0;        // further ones
+        bool several = false;   // the first few show a surface that its centre does not
+        bool found = false;     // they show a surface that no pixel around has at its centre
+    };
+
     void begin_tile(const Tile& tile);
+    void clear_sums(std::size_t count);
+    // Of TileTracer::trace().
+    std::size_t number_of(const Tile& tile) const;
+    void add_samples(int sample, image::SampleSums& sums);
+    void values_of(std::size_t at, float* values) const;
+    // Of TileTracer::refine() (tile_refiner.cpp).
+    void find_refined(const RefinedPixels& pixels);
+    bool finds_surface(const Refined& refined, const float* values, const shading::CentreSample& met) const;
+    void single_values(const glm::ivec2& pixel);
+    void shade_samples(std::span<const FurtherSample> samples);
+    void take_samples(const Refinement& refinement, std::span<const std::uint32_t> refined, int first, int end);
+    bool take_light(const TilePoint& point, scene::ObjectId object, std::uint32_t triangle);
+    bool take_agreed(const TilePoint& point, const shading::CentreSample& own);
+    bool take_nearest(const TilePoint& point, const shading::CentreSample& own);
+    void add_share(std::uint32_t to, const shading::CentreSample& own, const shading::CentreSample& of, float weight,
+                   const float* values);
+    bool take_lobe(const TilePoint& point, const shadow_culling::ShadowPoint& at);
+    shading::CentreSample centre_sample(const shading::SurfacePoint& s, scene::ObjectId object,
+                                        std::uint32_t triangle) const;
+    glm::ivec2 pixel_of_image(std::uint32_t pixel) const
+    {
+        return tile_.pixel_of_image(pixels_.empty() ? pixel : pixels_[pixel]);
+    }
     void clear_points();
     PointBatch batch(bool primary, int sample) const;
     void queue_primary(int sample);
+    void queue_camera_ray(std::uint32_t pixel, const glm::vec2& at);
+    void shade_sample(int sample, Stopwatch& watch);
     void trace_queue(const PathQueue& queue);
     void shade_hits(const PathQueue& queue, bool primary, int sample);
     void sort_hits(std::size_t count);
@@ -138,6 +179,18 @@ class TileTracer {
     std::vector<glm::vec3> color_, direct_, indirect_color_, albedo_, normal_;   // by pixel of the tile
     std::vector<glm::vec3> variance_, first_irradiance_, first_variance_;        // of an estimate
     std::vector<float> depth_, shadow_;
+
+    // Adaptive samples.
+    shading::CentreSamples* const centres_;
+    const Refinement* refinement_ = nullptr;   // while further samples are shaded
+    std::span<const FurtherSample> samples_;   // these
+    std::vector<std::uint32_t> pixels_;        // theirs
+    std::vector<Refined> refined_;
+    std::vector<FurtherSample> wanted_;
+    std::vector<float> values_;                  // by refined pixel and further sample
+    std::vector<shading::CentreSample> met_;     // by sample of the list
+    std::vector<shading::CentreSample> known_;   // by refined pixel and sample of the first few
+    std::vector<float> single_values_;           // of one pixel
 
     // Lobes of primary hits.
     int rays_of_lobe_ = 0;   // for each sample; 0: rough surfaces reflect by mirror rays

@@ -3,16 +3,21 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 
 #include "base/check.h"
 #include "base/interruption.h"
 #include "base/stopwatch.h"
+#include "image/pixel_filter.h"
+#include "image/tone_map.h"
 #include "shading/lobe_rays.h"
 #include "trace/environment_lighting.h"
 #include "trace/indirect_light.h"
 #include "trace/lobe_filter.h"
+#include "trace/refinement.h"
 #include "trace/shadow_testers.h"
 #include "trace/sized_visibility.h"
 #include "trace/tile_tracer.h"
@@ -20,6 +25,9 @@
 namespace gnomon::trace {
 
 namespace {
+
+// Luminance of exposed light from which on it counts less: the display's white.
+constexpr float k_white = 1;
 
 void resize(ImageF& image, Size size, int channels)
 {
@@ -60,12 +68,85 @@ bool has_lobes(const scene::Scene& scene)
     });
 }
 
+int channels_of(const shading::FrameBuffers& buffers, const TracedOptions& options)
+{
+    int channels = 0;
+    for (const ImageF* layer : averaged_layers(buffers, options)) channels += layer->channels;
+    return channels;
+}
+
+// Writes the filtered samples to the layers.
+void resolve(const image::SampleSums& sums, std::size_t tiles, Tasks& tasks, shading::FrameBuffers& out,
+             const TracedOptions& options)
+{
+    const std::vector<ImageF*> layers = averaged_layers(out, options);
+    tasks.for_each(tiles, [&](std::size_t tile, int) {
+        sums.resolve(tile, [&](int x, int y, const float* values) {
+            for (ImageF* layer : layers) {
+                std::copy_n(values, layer->channels, layer->pixel(x, y));
+                values += layer->channels;
+            }
+        });
+    });
+}
+
+// Takes further samples where those at the pixels' centres differ, and filters all of them.
+// @param tile_of    by number
+// @param tracer_of  by worker
+void take_further_samples(const shading::CentreSamples& centres, const LobeImage* lobes, const TracedOptions& options,
+                          std::size_t tiles, const std::function<Tile(std::size_t)>& tile_of,
+                          const std::function<TileTracer&(int)>& tracer_of, Tasks& tasks, shading::FrameBuffers& out)
+{
+    const float exposure =
+        std::exp2(options.exposure ? *options.exposure : static_cast<float>(image::auto_exposure(out.color.data)));
+    image::SampleSums sums(centres.size(), options.tile, channels_of(out, options), k_white / exposure);
+    Refinement refinement{centres, out, averaged_layers(std::as_const(out), options), lobes, options.refine, {}, sums};
+    refinement.options.exposure = exposure;
+    refinement.weights[0] = image::sample_weights(options.filter, glm::vec2(0.5f));
+    for (int i = 0; i < scene::k_refined_samples; ++i)
+        refinement.weights[static_cast<std::size_t>(i) + 1] =
+            image::sample_weights(options.filter, scene::refined_offset(i));
+
+    // Refine the selected pixels, and what they lead to, round by round.
+    RefinedPixels pixels(centres.size());
+    pixels.select(refinement, tasks);
+    for (int round = 0; round < RefinedPixels::k_rounds; ++round) {
+        report_progress("refining", static_cast<double>(round) / RefinedPixels::k_rounds);
+        tasks.for_each(tiles, [&](std::size_t index, int worker) {
+            tracer_of(worker).refine(tile_of(index), refinement, pixels);
+        });
+        if (!pixels.select_next(tasks)) break;
+    }
+
+    // Add the other pixels' samples.
+    tasks.for_each(tiles, [&](std::size_t index, int worker) {
+        tracer_of(worker).add_single(tile_of(index), refinement, pixels);
+    });
+    resolve(sums, tiles, tasks, out, options);
+}
+
 }   // namespace
+
+std::vector<ImageF*> averaged_layers(shading::FrameBuffers& buffers, const TracedOptions& options)
+{
+    std::vector<ImageF*> layers{&buffers.color};
+    if (options.backdrop_apart) layers.push_back(&buffers.alpha);
+    if (options.layers)
+        layers.insert(layers.end(), {&buffers.direct, &buffers.indirect, &buffers.albedo, &buffers.shadow});
+    return layers;
+}
+
+std::vector<const ImageF*> averaged_layers(const shading::FrameBuffers& buffers, const TracedOptions& options)
+{
+    const std::vector<ImageF*> layers = averaged_layers(const_cast<shading::FrameBuffers&>(buffers), options);
+    return {layers.begin(), layers.end()};
+}
 
 FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view,
                           const TracedOptions& options, Tasks& tasks, shading::FrameBuffers& out,
                           const Techniques& techniques, TraceLog* log, const Progress& progress)
 {
+    // LONG: the stages of a frame, one after the other, over the same few objects.
     GNOMON_CHECK(!log || (tasks.threads() == 1 && !techniques.shadows));
     GNOMON_CHECK(options.tile > 0 && (options.tile & (options.tile - 1)) == 0);
     EveryShadowRay every_ray(log);
@@ -103,19 +184,37 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     LobeImage* const lobe_image = lobes ? &*lobes : nullptr;
 
     // Trace the tiles.
+    std::optional<shading::CentreSamples> centres;
+    if (options.adaptive) centres.emplace(size);
+    std::optional<image::SampleSums> sums;
+    const bool filters = !options.adaptive && options.filter != PixelFilter::box;
+    if (filters) sums.emplace(size, options.tile, channels_of(out, options), k_infinity);
     std::vector<std::unique_ptr<TileTracer>> tracers(static_cast<std::size_t>(tasks.threads()));
+    const auto make_tracer = [&] {
+        return std::make_unique<TileTracer>(frame, options, shadows, sized, environment, indirect, lobe_image,
+                                            centres ? &*centres : nullptr, log);
+    };
     std::atomic<std::size_t> done = 0;
     report_progress("tracing", 0);
     tasks.for_each(tiles, [&](std::size_t index, int worker) {
         auto& tracer = tracers[static_cast<std::size_t>(worker)];
-        if (!tracer)
-            tracer =
-                std::make_unique<TileTracer>(frame, options, shadows, sized, environment, indirect, lobe_image, log);
-        tracer->trace(tile_at(index, columns, options.tile, size), out);
+        if (!tracer) tracer = make_tracer();
+        tracer->trace(tile_at(index, columns, options.tile, size), out, filters ? &*sums : nullptr);
         report_progress("tracing", static_cast<double>(++done) / static_cast<double>(tiles));
     });
 
+    if (filters) resolve(*sums, tiles, tasks, out, options);
     if (lobes) lobes->add_to(out.color, 1.0f / static_cast<float>(options.samples), tasks);
+
+    if (options.adaptive) {
+        const auto tile_of = [&](std::size_t index) { return tile_at(index, columns, options.tile, size); };
+        const auto tracer_of = [&](int worker) -> TileTracer& {
+            auto& tracer = tracers[static_cast<std::size_t>(worker)];
+            if (!tracer) tracer = make_tracer();
+            return *tracer;
+        };
+        take_further_samples(*centres, lobe_image, options, tiles, tile_of, tracer_of, tasks, out);
+    }
 
     // Sum what the threads counted, and let the techniques learn from what their workers found.
     FrameCounters counters;
@@ -129,6 +228,9 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         counters.primary_rays += tracer->counters().primary_rays;
         counters.reflection_rays += tracer->counters().reflection_rays;
         counters.refraction_rays += tracer->counters().refraction_rays;
+        counters.samples.pixels += tracer->counters().samples.pixels;
+        counters.samples.taken += tracer->counters().samples.taken;
+        counters.samples.shaded += tracer->counters().samples.shaded;
         for (std::size_t stage = 0; stage < FrameTimes::k_stages; ++stage)
             out.times.ms[stage] += tracer->times().ms[stage] / tasks.threads();
         environment_counters.add(tracer->environment_counters());

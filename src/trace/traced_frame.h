@@ -18,10 +18,13 @@
 // Cost: the rays. The image depends on the scene, the view and the options alone, because a tile's order of work is
 // fixed and tiles share nothing that is written.
 
+#include <optional>
+
 #include "base/tasks.h"
 #include "gnomon/types.h"
 #include "scene/sized_light.h"
 #include "scene/view.h"
+#include "shading/centre_samples.h"
 #include "shading/frame_buffers.h"
 #include "trace/trace_log.h"
 
@@ -33,9 +36,14 @@ class ShadowTester;
 class SizedVisibility;
 
 struct TracedOptions {
-    int max_depth = 10;    // reflections and refractions in a row
-    int samples = 1;       // per pixel
-    bool layers = false;   // fill all of shading::FrameBuffers, not `color` alone
+    int max_depth = 10;                      // reflections and refractions in a row
+    int samples = 1;                         // per pixel
+    PixelFilter filter = PixelFilter::box;   // not automatic
+    /// More samples where something ends in a pixel (refinement.h). @pre samples is 1, and no random lobes
+    bool adaptive = false;
+    std::optional<float> exposure{};   // of these, in stops; none: that of the image of one sample a pixel
+    shading::RefineOptions refine{};   // of these; its exposure is set from the above
+    bool layers = false;               // fill all of shading::FrameBuffers, not `color` alone
     /// Leave what lies behind the scene out of `color`, and fill `alpha`. A surface that catches shadows counts as what
     /// lies behind, and its shadows as a dark surface.
     bool backdrop_apart = false;

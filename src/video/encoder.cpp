@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <iterator>
@@ -37,7 +38,7 @@ std::vector<std::string> encode_arguments(double fps, const fs::path& out, const
                                        "-f",
                                        "image2pipe",
                                        "-framerate",
-                                       fmt::format("{:.9g}", fps),
+                                       rate_text(fps),
                                        "-threads",
                                        "1",
                                        "-c:v",
@@ -131,6 +132,15 @@ void encode_video(const std::vector<fs::path>& frames, double fps, const fs::pat
             fmt::format("ffmpeg could not write {}: {}", out.string(), reason.empty() ? short_of : reason));
     }
     file.commit();
+}
+
+std::string rate_text(double fps)
+{
+    constexpr double k_rounding = 1e-3;
+    const double above = std::round(fps * 1001);
+    const bool whole = std::abs(fps - std::round(fps)) < k_rounding / 1001;
+    if (!whole && std::abs(fps * 1001 - above) < k_rounding) return fmt::format("{}/1001", std::llround(above));
+    return fmt::format("{:.9g}", fps);
 }
 
 bool have_ffmpeg(const Progress& progress)

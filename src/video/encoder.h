@@ -17,6 +17,10 @@ namespace gnomon::video {
 void encode_video(const std::vector<std::filesystem::path>& frames, double fps, const std::filesystem::path& out,
                   const Progress& progress = {}, const std::string& comment = {});
 
+/// A rate as ffmpeg reads it exactly: a fraction of 1001 for the rates of television, such as 24000/1001; else a
+/// number.
+std::string rate_text(double fps);
+
 /// Whether ffmpeg can be run. Checked before a long rendering.
 /// @throws InterruptedError  progress returned false
 bool have_ffmpeg(const Progress& progress = {});

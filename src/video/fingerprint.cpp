@@ -243,7 +243,7 @@ std::uint64_t fingerprint_of(std::uint64_t of_scene, const Scene& scene, const R
     print.add(options.turntable_seconds);
     // The turntable's angle per frame. A clip that numbers its own frames has the same times at any rate.
     if (options.turntable_seconds > 0) print.add(scene.fps());
-    print.add(options.max_depth), print.add(options.samples);
+    print.add(options.max_depth), print.add(options.samples), print.add(options.filter);
     print.add(options.exposure.has_value()), print.add(options.exposure.value_or(0));
     print.add(options.tonemap);
     print.add(options.background);

@@ -271,6 +271,7 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
     if (encodes && !video::have_ffmpeg(progress))
         throw MissingError(
             "ffmpeg with libx264 is needed for .mp4 and was not found; write name-{frame:04}.png instead");
+    if (kind == io::OutputKind::numbered) io::make_folder(job.out);
     if (kind != io::OutputKind::video || encodes) io::check_writable(io::numbered_name(job.out, range.first));
     if (!job.contact_sheet.empty()) io::check_writable(job.contact_sheet);
 

@@ -148,7 +148,8 @@ TEST(EnvironmentOption, LightsTheScene)
 {
     const ScratchFolder folder;
     const std::string with = folder / "with.exr", without = folder / "without.exr";
-    const std::vector<std::string> common{"render", "builtin:cornell", "--size", "32x24", "--quiet", "-o"};
+    const std::vector<std::string> common{"render", "builtin:cornell", "--size", "32x24", "--samples",
+                                          "1",      "--quiet",         "-o"};
     auto arguments = common;
     arguments.push_back(without);
     ASSERT_EQ(run(arguments).code, 0);

@@ -70,8 +70,8 @@ TEST(View, ScreenshotEqualsTheRenderedImageAfterAnyInteraction)
     EXPECT_EQ(seen.json.at("files"), nlohmann::json::array({"gnomon-0001.png"}));
     EXPECT_GT(seen.json.at("pictures"), 5);
     EXPECT_EQ(seen.json.at("loads"), 1);
-    const Outcome rendered =
-        run({"render", "builtin:cornell", "--frame", "1", "--size", "320x240", "-o", folder / "render.png"});
+    const Outcome rendered = run({"render", "builtin:cornell", "--frame", "1", "--size", "320x240", "--samples", "1",
+                                  "-o", folder / "render.png"});
     ASSERT_EQ(rendered.code, 0) << rendered.err;
     const Image8 shot = io::read_image(folder / "gnomon-0001.png"), truth = io::read_image(folder / "render.png");
     EXPECT_EQ(shot.width, 320);
@@ -158,7 +158,7 @@ TEST(View, RecordingEqualsTheRenderedVideo)
     EXPECT_EQ(height, 240);
     ASSERT_GE(frames, 3);
     const Outcome rendered = run({"render", "builtin:cornell", "--fps", "240", "--frames", fmt::format("1-{}", frames),
-                                  "--size", "320x240", "-o", folder / "rendered.mp4"});
+                                  "--size", "320x240", "--samples", "1", "-o", folder / "rendered.mp4"});
     ASSERT_EQ(rendered.code, 0) << rendered.err;
     // The comment of a rendered video says what it was rendered from; that of a recording cannot.
     const auto stream_of = [&](const std::string& file) {
@@ -206,8 +206,8 @@ TEST(View, AClipIsChosenFromTheList)
     EXPECT_EQ(seen.json.at("loads"), 2);
     const auto rendered = [&](const std::string& clip) {
         const std::string out = folder / "render.png";
-        const Outcome outcome =
-            run({"render", folder / "two.gltf", "--animation", clip, "--frame", "4", "--size", "400x500", "-o", out});
+        const Outcome outcome = run({"render", folder / "two.gltf", "--animation", clip, "--frame", "4", "--size",
+                                     "400x500", "--samples", "1", "-o", out});
         EXPECT_EQ(outcome.code, 0) << outcome.err;
         return io::read_image(out).data;
     };

@@ -16,6 +16,7 @@
 #include "io/file/output_name.h"
 #include "io/image/image_file.h"
 #include "support.h"
+#include "video/encoder.h"
 #include "video/frame_list.h"
 #include "video/frames_folder.h"
 
@@ -50,14 +51,19 @@ TEST(OutputKind, FollowsExtensionAndPattern)
     EXPECT_EQ(io::output_kind("b.PNG"), OutputKind::image);
     EXPECT_EQ(io::output_kind("a{frame}.png"), OutputKind::numbered);
     EXPECT_EQ(io::output_kind("{frame:04}.png"), OutputKind::numbered);
+    EXPECT_EQ(io::output_kind("a%d.png"), OutputKind::numbered);
+    EXPECT_EQ(io::output_kind("a-%04d.exr"), OutputKind::numbered);
+    EXPECT_EQ(io::output_kind("100%.png"), OutputKind::image);   // no pattern
+    EXPECT_EQ(io::output_kind("a%20b.png"), OutputKind::image);
     EXPECT_EQ(io::output_kind("{frame}/still.png"), OutputKind::image);   // folders are not patterns
     EXPECT_EQ(io::output_kind("b.mp4"), OutputKind::video);
     EXPECT_EQ(io::output_kind("b.Exr"), OutputKind::image);
     EXPECT_EQ(io::output_kind("{frame}.exr"), OutputKind::numbered);
     EXPECT_TRUE(io::is_exr_name("b.EXR"));
     EXPECT_FALSE(io::is_exr_name("exr.png"));
-    for (const char* wrong : {"b", "b.jpg", "b{frame}.mp4", "b{frame.png", "b{frame:4}.png", "b{frame:0}.png",
-                              "b{frame:0x}.png", "b{frame:004}.png", "{frame}{frame}.png", "{framework}.png", ""})
+    for (const char* wrong :
+         {"b", "b.jpg", "b{frame}.mp4", "b{frame.png", "b{frame:4}.png", "b{frame:0}.png", "b{frame:0x}.png",
+          "b{frame:004}.png", "{frame}{frame}.png", "{framework}.png", "%d%d.png", "%04d-{frame}.png", "b%d.mp4", ""})
         EXPECT_THROW(io::output_kind(wrong), UsageError) << wrong;
 }
 
@@ -65,8 +71,33 @@ TEST(NumberedName, PadsWithZeros)
 {
     EXPECT_EQ(io::numbered_name("x/name-{frame:04}.png", 7), fs::path("x/name-0007.png"));
     EXPECT_EQ(io::numbered_name("name-{frame:02}.png", 1234), fs::path("name-1234.png"));
+    EXPECT_EQ(io::numbered_name("x/name-%04d.png", 7), fs::path("x/name-0007.png"));
+    EXPECT_EQ(io::numbered_name("50%-%d.png", 12), fs::path("50%-12.png"));
     EXPECT_EQ(io::numbered_name("{frame}", 7), fs::path("7"));
     EXPECT_EQ(io::numbered_name("plain.png", 7), fs::path("plain.png"));
+}
+
+TEST(RateText, KeepsTheRatesOfTelevisionExact)
+{
+    EXPECT_EQ(video::rate_text(24000.0 / 1001), "24000/1001");
+    EXPECT_EQ(video::rate_text(30000.0 / 1001), "30000/1001");
+    EXPECT_EQ(video::rate_text(60000.0 / 1001), "60000/1001");
+    EXPECT_EQ(video::rate_text(24), "24");
+    EXPECT_EQ(video::rate_text(12.5), "12.5");
+    EXPECT_EQ(video::rate_text(23.976), "23.976");
+}
+
+TEST(OutputFolder, IsMadeWithThoseAboveIt)
+{
+    const test::ScratchFolder folder;
+    const fs::path out = folder / "a/b/name-{frame:04}.png";
+    io::make_folder(out);
+    EXPECT_TRUE(fs::is_directory(out.parent_path()));
+    io::make_folder(out);
+    io::make_folder("name.png");
+    // A file is in the way.
+    std::ofstream(folder / "file") << "x";
+    EXPECT_THROW(io::make_folder(folder / "file/c/name.png"), MissingError);
 }
 
 TEST(FramesFolder, IsRemovedIfItsManifestCannotBeWritten)

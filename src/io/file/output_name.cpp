@@ -20,17 +20,32 @@ namespace fs = std::filesystem;
 namespace {
 constexpr int k_widest = 9;   // digits of a frame number
 
-// {frame} or {frame:0N} in a file name.
+// {frame} or {frame:0N}, or %d or %0Nd, in a file name.
 struct Pattern {
     std::size_t begin = 0, end = 0;
     int digits = 1;
 };
 
+// The first %d or %0Nd from `from` on. Other percent signs are parts of the name.
+std::optional<Pattern> find_percent(const std::string& name, std::size_t from)
+{
+    for (std::size_t at = name.find('%', from); at != std::string::npos; at = name.find('%', at + 1)) {
+        if (name.compare(at, 2, "%d") == 0) return Pattern{at, at + 2, 1};
+        const bool padded = name.size() >= at + 4 && name[at + 1] == '0' && name[at + 2] >= '1' &&
+                            name[at + 2] <= '0' + k_widest && name[at + 3] == 'd';
+        if (padded) return Pattern{at, at + 4, name[at + 2] - '0'};
+    }
+    return std::nullopt;
+}
+
 std::optional<Pattern> find_pattern(const fs::path& file)
 {
     const std::string name = file.filename().string();
     const std::size_t begin = name.find("{frame");
-    if (begin == std::string::npos) return std::nullopt;
+    const std::optional<Pattern> percent = find_percent(name, 0);
+    if (percent && (begin != std::string::npos || find_percent(name, percent->end)))
+        throw UsageError(fmt::format("{}: expected one frame number in the name", file.string()));
+    if (begin == std::string::npos) return percent;
     const auto refuse = [&] {
         throw UsageError(fmt::format("{}: expected one {{frame}} or {{frame:04}} in the name", file.string()));
     };
@@ -64,7 +79,7 @@ OutputKind output_kind(const fs::path& out)
     if (extension == ".png" || extension == ".exr") return numbered ? OutputKind::numbered : OutputKind::image;
     if (extension != ".mp4")
         throw UsageError(fmt::format("{}: cannot write '{}'; write .png, .exr or .mp4", out.string(), extension));
-    if (numbered) throw UsageError(fmt::format("{}: a video is one file; leave out {{frame}}", out.string()));
+    if (numbered) throw UsageError(fmt::format("{}: a video is one file; leave out the frame's number", out.string()));
     return OutputKind::video;
 }
 
@@ -80,6 +95,15 @@ fs::path numbered_name(const fs::path& pattern, int frame)
     const std::string name = pattern.filename().string();
     return pattern.parent_path() /
            (name.substr(0, place->begin) + fmt::format("{:0{}}", frame, place->digits) + name.substr(place->end));
+}
+
+void make_folder(const fs::path& out)
+{
+    if (!out.has_parent_path()) return;
+    std::error_code error;
+    fs::create_directories(out.parent_path(), error);
+    if (error)
+        throw MissingError(fmt::format("cannot make the folder {}: {}", out.parent_path().string(), error.message()));
 }
 
 void check_writable(const fs::path& out)

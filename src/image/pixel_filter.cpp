@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "image/pixel_filter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/check.h"
+
+namespace gnomon::image {
+
+float filter_weight(PixelFilter filter, float distance)
+{
+    GNOMON_CHECK(filter != PixelFilter::automatic);
+    const float d = std::abs(distance);
+    if (filter == PixelFilter::box) return d <= 0.5f ? 1.0f : 0.0f;
+    if (d >= k_filter_radius) return 0;
+    if (filter == PixelFilter::gaussian) {
+        // Of deviation 0.5, less its value at the radius, so that it ends without a step.
+        const float end = std::exp(-2 * k_filter_radius * k_filter_radius);
+        return std::exp(-2 * d * d) - end;
+    }
+    // The window of four terms [Harris 1978, Table I], as wide as the filter.
+    const float turn = 2 * std::numbers::pi_v<float> * (0.5f + d / (2 * k_filter_radius));
+    const float w =
+        0.35875f - 0.48829f * std::cos(turn) + 0.14128f * std::cos(2 * turn) - 0.01168f * std::cos(3 * turn);
+    return std::max(w, 0.0f);
+}
+
+SampleWeights sample_weights(PixelFilter filter, const glm::vec2& offset)
+{
+    SampleWeights weights;
+    for (int i = 0; i < 3; ++i) {
+        const float away = static_cast<float>(i - 1) + 0.5f;
+        weights.across[i] = filter_weight(filter, offset.x - away);
+        weights.down[i] = filter_weight(filter, offset.y - away);
+    }
+    return weights;
+}
+
+SampleSums::SampleSums(Size size, int tile, int channels, float white)
+    : size_(size),
+      side_(tile),
+      columns_((size.width + tile - 1) / tile),
+      rows_((size.height + tile - 1) / tile),
+      channels_(channels),
+      white_(white),
+      stride_(static_cast<std::size_t>(channels) + 2),
+      tile_floats_(static_cast<std::size_t>(tile + 2) * static_cast<std::size_t>(tile + 2) * stride_)
+{
+    GNOMON_CHECK(tile > 0 && channels >= 3);
+    sums_.assign(tile_floats_ * static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0);
+}
+
+void SampleSums::add(std::size_t tile, int x, int y, const SampleWeights& weights, float share, const float* values)
+{
+    const float light = luminance(glm::vec3(values[0], values[1], values[2]));
+    const float dimmed = light > white_ ? white_ / light : 1.0f;
+
+    // Add to the pixel and its neighbours. The border makes room for all of them.
+    float* const first = sums_.data() + tile * tile_floats_;
+    for (int dy = 0; dy < 3; ++dy)
+        for (int dx = 0; dx < 3; ++dx) {
+            const float weight = share * weights.across[dx] * weights.down[dy];
+            if (weight == 0) continue;
+            float* to = first + static_cast<std::size_t>((y + dy) * (side_ + 2) + x + dx) * stride_;
+            const float of_color = weight * dimmed;
+            for (int c = 0; c < 3; ++c) to[c] += of_color * values[c];
+            for (int c = 3; c < channels_; ++c) to[c] += weight * values[c];
+            to[channels_] += of_color;
+            to[channels_ + 1] += weight;
+        }
+}
+
+// The sums that a tile holds for a pixel of the image; null if the pixel lies beyond its border.
+const float* SampleSums::sums_of(int column, int row, int x, int y) const
+{
+    if (column < 0 || row < 0 || column >= columns_ || row >= rows_) return nullptr;
+    const int in_x = x - column * side_ + 1, in_y = y - row * side_ + 1;
+    if (in_x < 0 || in_y < 0 || in_x >= side_ + 2 || in_y >= side_ + 2) return nullptr;
+    const std::size_t tile =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+    return sums_.data() + tile * tile_floats_ + static_cast<std::size_t>(in_y * (side_ + 2) + in_x) * stride_;
+}
+
+void SampleSums::resolve(std::size_t tile, const std::function<void(int x, int y, const float* values)>& sink) const
+{
+    const int column = static_cast<int>(tile) % columns_, row = static_cast<int>(tile) / columns_;
+    const int x_end = std::min((column + 1) * side_, size_.width), y_end = std::min((row + 1) * side_, size_.height);
+    std::vector<float> sum(stride_);
+    for (int y = row * side_; y < y_end; ++y)
+        for (int x = column * side_; x < x_end; ++x) {
+            // Add what this tile and those around it hold, row by row.
+            std::fill(sum.begin(), sum.end(), 0.0f);
+            const bool inner =
+                x > column * side_ && y > row * side_ && x + 1 < (column + 1) * side_ && y + 1 < (row + 1) * side_;
+            const int reach = inner ? 0 : 1;
+            for (int r = row - reach; r <= row + reach; ++r)
+                for (int c = column - reach; c <= column + reach; ++c)
+                    if (const float* from = sums_of(c, r, x, y))
+                        for (std::size_t k = 0; k < stride_; ++k) sum[k] += from[k];
+            const float color = sum[static_cast<std::size_t>(channels_)],
+                        others = sum[static_cast<std::size_t>(channels_) + 1];
+            for (int k = 0; k < channels_; ++k) {
+                const float weight = k < 3 ? color : others;
+                sum[static_cast<std::size_t>(k)] = weight > 0 ? sum[static_cast<std::size_t>(k)] / weight : 0;
+            }
+            sink(x, y, sum.data());
+        }
+}
+
+}   // namespace gnomon::image

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Makes the pixels of an image of their samples, by a filter that may reach beyond the pixel.
+//
+// A sample counts by its distance from a pixel's centre, so that it takes part in up to 3 x 3 pixels. A pixel may have
+// any number of samples: together they stand for its area, whatever their number is. All weights are at least 0, and a
+// pixel's weights are divided by their sum, so the filter neither rings nor changes an even area.
+//
+// Light above the display's white counts less, the brighter the less [after Karis 2013, "Tone mapping"]: otherwise, one
+// sample of a light in 16 would make the whole pixel white, and the edge of the emitter would have stairs. Light that
+// the display can show is averaged as it is.
+//
+// Tiles may be filled by different threads: each has sums of its own, with a border of one pixel, and a pixel adds
+// those of up to four tiles in a fixed order.
+//
+// Cost: up to 9 multiplications for each sample and channel. Memory: all channels and two weights, 1.13 times.
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "base/math.h"
+#include "gnomon/types.h"
+
+namespace gnomon::image {
+
+/// Distance from a pixel's centre along an axis from which on a sample does not count, in pixels.
+inline constexpr float k_filter_radius = 1.5f;
+
+/// Weight of a sample along one axis, not normalised.
+/// @param filter    not automatic
+/// @param distance  from the pixel's centre, in pixels
+float filter_weight(PixelFilter filter, float distance);
+
+/// The weights of samples at one position in their pixels, in the columns and rows before, here and after.
+struct SampleWeights {
+    float across[3]{}, down[3]{};
+};
+/// @param offset  position in the pixel, 0 to 1
+SampleWeights sample_weights(PixelFilter filter, const glm::vec2& offset);
+
+class SampleSums {
+ public:
+    /// @param tile      pixels a side
+    /// @param channels  of a sample, the colour's three first
+    /// @param white     luminance from which on light counts less; infinite: all light counts as it is
+    SampleSums(Size size, int tile, int channels, float white);
+
+    /// Adds a sample. One thread at a time for each tile.
+    /// @param tile    its number, row by row
+    /// @param x, y    pixel in the tile
+    /// @param share   of the pixel's area that it stands for
+    void add(std::size_t tile, int x, int y, const SampleWeights& weights, float share, const float* values);
+
+    /// Calls sink(x, y, values) for each pixel of a tile, in image coordinates, once all samples are added.
+    void resolve(std::size_t tile, const std::function<void(int x, int y, const float* values)>& sink) const;
+
+    int channels() const { return channels_; }
+    std::size_t bytes() const { return sums_.capacity() * sizeof(float); }
+
+ private:
+    const float* sums_of(int column, int row, int x, int y) const;
+
+    Size size_;
+    int side_, columns_, rows_, channels_;
+    float white_;
+    std::size_t stride_;        // floats of a pixel: the channels, and the weights of colour and of the others
+    std::size_t tile_floats_;   // of a tile and its border
+    std::vector<float> sums_;
+};
+
+}   // namespace gnomon::image

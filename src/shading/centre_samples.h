@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Finds the pixels that one sample does not show well: those in which something ends.
+//
+// No result of this renderer is noisy, so a pixel needs more samples only where it and its neighbours differ: at edges
+// of objects, at edges of shadows, in highlights and mirror images. Neighbours on one surface are compared by their
+// light, each as if it had the pixel's own reflectance, because textures are filtered over the pixel as it is. An even
+// change over three neighbours needs no further sample either: a filter of the pixels shows it.
+//
+// Differences are measured as a display shows them, so that the bounds are those of the eye: see shown().
+//
+// The pixels that are found depend on the image of one sample a pixel alone. Cost: up to 8 comparisons for each pixel.
+
+#include <cstdint>
+#include <vector>
+
+#include "base/image.h"
+#include "base/math.h"
+#include "gnomon/types.h"
+
+namespace gnomon::shading {
+
+/// What the sample at a pixel's centre met.
+struct CentreSample {
+    glm::vec3 position{0}, normal{0};
+    glm::vec3 reflectance{1};                                   // diffuse and specular
+    float width = 0;                                            // of the pixel at the surface, across the view
+    std::uint32_t object = 0xffffffff, material = 0xffffffff;   // the highest number: it met nothing
+};
+
+struct RefineOptions {
+    float exposure = 1;          // factor that makes the image as bright as a display shows it
+    float edge = 0.06f;          // difference of neighbouring surfaces, as shown() has it, that one sample may hide
+    float light = 0.1f;          // likewise, of light on one surface
+    float agree = 0.08f;         // difference of light on one surface within which samples share it
+    float spread = 0.15f;        // difference of a pixel's samples of several surfaces from which on it has all of them
+    float light_spread = 0.3f;   // likewise, of samples of one surface, whose light must be computed
+    float same_normal = 0.9f;    // cosine between normals of neighbours on one surface
+    float off_plane = 1.0f;   // distance of a neighbour's position from the plane of a surface, in widths of the pixel
+};
+
+/// A colour as the eye compares it: 0 for black, 0.7 for light as bright as the display's white, below 1 for any light.
+inline glm::vec3 shown(const glm::vec3& color, float exposure)
+{
+    const glm::vec3 x = glm::max(color * exposure, glm::vec3(0));
+    return glm::sqrt(x / (glm::vec3(1) + x));
+}
+
+/// The largest difference of three channels.
+inline float difference(const glm::vec3& a, const glm::vec3& b)
+{
+    const glm::vec3 d = glm::abs(a - b);
+    return std::max({d.x, d.y, d.z});
+}
+
+/// Light on a surface of reflectance `from`, on one of reflectance `to`.
+inline glm::vec3 relit(const glm::vec3& color, const glm::vec3& from, const glm::vec3& to)
+{
+    constexpr float k_least = 0.02f;   // reflectance below which colour is not divided by it
+    return color * ((to + k_least) / (from + k_least));
+}
+
+/// Whether two samples show one surface, over which light changes without a step.
+bool same_surface(const CentreSample& a, const CentreSample& b, const RefineOptions& options);
+
+/// The samples at the pixels' centres, row by row.
+class CentreSamples {
+ public:
+    explicit CentreSamples(Size size)
+        : size_(size), samples_(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height))
+    {
+    }
+    CentreSample& at(int x, int y) { return samples_[index(x, y)]; }
+    const CentreSample& at(int x, int y) const { return samples_[index(x, y)]; }
+    bool inside(int x, int y) const { return x >= 0 && y >= 0 && x < size_.width && y < size_.height; }
+    Size size() const { return size_; }
+    std::size_t bytes() const { return samples_.capacity() * sizeof(CentreSample); }
+
+    /// Whether a pixel needs more samples.
+    /// @param color  3 channels: the light of the samples
+    bool needs_more(int x, int y, const ImageF& color, const RefineOptions& options) const;
+
+ private:
+    std::size_t index(int x, int y) const
+    {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x);
+    }
+    Size size_;
+    std::vector<CentreSample> samples_;
+};
+
+}   // namespace gnomon::shading

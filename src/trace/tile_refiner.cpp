@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: Apache-2.0
+// The further samples of a tile's pixels (refinement.h).
+#include <algorithm>
+
+#include "base/interruption.h"
+#include "base/morton.h"
+#include "trace/tile_tracer.h"
+
+namespace gnomon::trace {
+
+namespace {
+
+// Weight of a neighbour's light at a sample, by their distance along an axis in pixels.
+float nearness(float distance)
+{
+    return std::max(0.0f, image::k_filter_radius - std::abs(distance));
+}
+
+glm::vec3 vector_at(const ImageF& image, int x, int y)
+{
+    const float* const c = image.pixel(x, y);
+    return {c[0], c[1], c[2]};
+}
+
+}   // namespace
+
+shading::CentreSample TileTracer::centre_sample(const shading::SurfacePoint& s, scene::ObjectId object,
+                                                std::uint32_t triangle) const
+{
+    shading::CentreSample sample;
+    sample.position = s.position, sample.normal = s.normal;
+    sample.reflectance = s.diffuse + s.specular;
+    sample.width = s.cone.width;
+    sample.object = object;
+    sample.material = scene_.meshes[scene_.objects[object].mesh].part_of(triangle).material;
+    return sample;
+}
+
+void TileTracer::refine(const Tile& tile, const Refinement& refinement, RefinedPixels& pixels)
+{
+    tile_ = tile;
+    refinement_ = &refinement;
+    find_refined(pixels);
+    constexpr int k_first = scene::k_first_refined_samples, k_all = scene::k_refined_samples;
+    const auto channels = static_cast<std::size_t>(refinement.sums.channels());
+    values_.resize(refined_.size() * k_all * channels);
+    known_.resize(refined_.size() * k_first);
+
+    // Take a few samples of each pixel, and the others where these differ.
+    std::vector<std::uint32_t> chosen(refined_.size());
+    for (std::uint32_t r = 0; r < refined_.size(); ++r) chosen[r] = r;
+    take_samples(refinement, chosen, 0, k_first);
+    std::erase_if(chosen, [&](std::uint32_t r) {
+        const glm::ivec2 at = tile_.pixel_of_image(refined_[r].pixel);
+        glm::vec3 low = shading::shown(vector_at(refinement.single.color, at.x, at.y), refinement.options.exposure);
+        glm::vec3 high = low;
+        bool& several = refined_[r].several;
+        for (std::size_t k = 0; k < k_first; ++k) {
+            const float* const v = values_.data() + (r * k_all + k) * channels;
+            const glm::vec3 c = shading::shown({v[0], v[1], v[2]}, refinement.options.exposure);
+            low = glm::min(low, c), high = glm::max(high, c);
+            several = several || !shading::same_surface(refinement.centres.at(at.x, at.y), known_[r * k_first + k],
+                                                        refinement.options);
+        }
+        const shading::RefineOptions& options = refinement.options;
+        return shading::difference(high, low) <= (several ? options.spread : options.light_spread);
+    });
+    take_samples(refinement, chosen, k_first, k_all);
+
+    // Add the samples, each with its share of its pixel.
+    const std::size_t number = number_of(tile_);
+    for (std::size_t r = 0; r < refined_.size(); ++r) {
+        const int further = refined_[r].samples;
+        const float share = 1.0f / static_cast<float>(1 + further);
+        const glm::ivec2 at = tile_.pixel_of_image(refined_[r].pixel);
+        const int x = at.x - tile_.x, y = at.y - tile_.y;
+        single_values(at);
+        refinement.sums.add(number, x, y, refinement.weights[0], share, single_values_.data());
+        for (std::size_t k = 0; k < static_cast<std::size_t>(further); ++k)
+            refinement.sums.add(number, x, y, refinement.weights[k + 1], share,
+                                values_.data() + (r * k_all + k) * channels);
+        pixels.set_refined(at, refined_[r].found);
+    }
+    refinement_ = nullptr;
+}
+
+void TileTracer::add_single(const Tile& tile, const Refinement& refinement, const RefinedPixels& pixels)
+{
+    refinement_ = &refinement;
+    for (int y = 0; y < tile.height; ++y)
+        for (int x = 0; x < tile.width; ++x) {
+            if (!pixels.single(tile.x + x, tile.y + y)) continue;
+            single_values({tile.x + x, tile.y + y});
+            refinement.sums.add(number_of(tile), x, y, refinement.weights[0], 1, single_values_.data());
+        }
+    refinement_ = nullptr;
+}
+
+// Lists the tile's selected pixels, in Morton order.
+void TileTracer::find_refined(const RefinedPixels& pixels)
+{
+    refined_.clear();
+    const auto count = static_cast<std::uint32_t>(tile_.side * tile_.side);
+    for (std::uint32_t code = 0; code < count; ++code) {
+        const int x = static_cast<int>(even_bits(code)), y = static_cast<int>(even_bits(code >> 1));
+        if (x >= tile_.width || y >= tile_.height || !pixels.selected(tile_.x + x, tile_.y + y)) continue;
+        refined_.push_back({static_cast<std::uint32_t>(y * tile_.side + x)});
+    }
+    counters_.samples.pixels += refined_.size();
+}
+
+// Whether a sample shows a surface that no pixel around has at its centre, and that differs from the pixel's.
+bool TileTracer::finds_surface(const Refined& refined, const float* values, const shading::CentreSample& met) const
+{
+    const glm::ivec2 at = tile_.pixel_of_image(refined.pixel);
+    for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx)
+            if (refinement_->centres.inside(at.x + dx, at.y + dy) &&
+                shading::same_surface(met, refinement_->centres.at(at.x + dx, at.y + dy), refinement_->options))
+                return false;
+    const float exposure = refinement_->options.exposure;
+    return shading::difference(shading::shown({values[0], values[1], values[2]}, exposure),
+                               shading::shown(vector_at(refinement_->single.color, at.x, at.y), exposure)) >
+           refinement_->options.edge;
+}
+
+// Takes samples of some refined pixels, and keeps their values.
+// @param refined  indices
+// @param first, end  numbers of the samples
+void TileTracer::take_samples(const Refinement& refinement, std::span<const std::uint32_t> refined, int first, int end)
+{
+    const auto channels = static_cast<std::size_t>(refinement.sums.channels());
+    const auto samples = static_cast<std::size_t>(end - first);
+    const std::size_t at_once =
+        std::max<std::size_t>(static_cast<std::size_t>(tile_.side) * static_cast<std::size_t>(tile_.side) / samples, 1);
+    for (std::size_t begin = 0; begin < refined.size(); begin += at_once) {
+        const auto some = refined.subspan(begin, std::min(at_once, refined.size() - begin));
+        wanted_.clear();
+        for (const std::uint32_t r : some) {
+            for (int k = first; k < end; ++k) wanted_.push_back({refined_[r].pixel, static_cast<std::uint32_t>(k), r});
+            refined_[r].samples = end;
+        }
+        shade_samples(wanted_);
+        for (std::size_t i = 0; i < wanted_.size(); ++i) {
+            const std::size_t to = some[i / samples] * std::size_t{scene::k_refined_samples} + wanted_[i].number;
+            values_of(i, values_.data() + to * channels);
+            Refined& pixel = refined_[some[i / samples]];
+            pixel.found = pixel.found || finds_surface(pixel, values_.data() + to * channels, met_[i]);
+            if (first == 0) known_[some[i / samples] * static_cast<std::size_t>(end) + wanted_[i].number] = met_[i];
+        }
+    }
+}
+
+// Computes the light of further samples: in color_ and the other sums, by their numbers in the list.
+void TileTracer::shade_samples(std::span<const FurtherSample> samples)
+{
+    interruption_point();
+    Stopwatch watch(times_);
+    samples_ = samples;
+    clear_sums(samples.size());
+    met_.assign(samples.size(), {});
+    lobe_light_.clear();
+    pixels_.resize(samples.size());
+    primary_.clear();
+    for (std::uint32_t i = 0; i < samples.size(); ++i) {
+        pixels_[i] = samples[i].pixel;
+        const glm::ivec2 at = tile_.pixel_of_image(samples[i].pixel);
+        const glm::vec2 offset = scene::refined_offset(static_cast<int>(samples[i].number));
+        queue_camera_ray(i, glm::vec2(at) + offset);
+    }
+    counters_.samples.taken += samples.size();
+    counters_.primary_rays += samples.size();
+    shade_sample(1, watch);
+
+    // Add what rays of lobes brought: it stays unfiltered.
+    for (std::size_t i = 0; i < samples.size() && !lobe_light_.empty(); ++i) color_[i] += lobe_light_[i];
+}
+
+// Gives a further sample light that is known around it.
+// @param point  a camera ray met it
+// @return  false: its light must be computed
+bool TileTracer::take_light(const TilePoint& point, scene::ObjectId object, std::uint32_t triangle)
+{
+    const shading::CentreSample own = centre_sample(point.surface, object, triangle);
+    met_[point.pixel] = own;
+    // The last samples of a pixel of one surface are there for its light.
+    const FurtherSample& sample = samples_[point.pixel];
+    const bool first = sample.number < scene::k_first_refined_samples;
+    const bool taken = first || !refined_[sample.refined].several ? take_agreed(point, own) : take_nearest(point, own);
+    if (!taken) ++counters_.samples.shaded;
+    return taken;
+}
+
+// Takes the light of the pixels around a sample that show the same surface, if these agree.
+bool TileTracer::take_agreed(const TilePoint& point, const shading::CentreSample& own)
+{
+    const shading::RefineOptions& options = refinement_->options;
+    const shading::FrameBuffers& single = refinement_->single;
+    const FurtherSample& sample = samples_[point.pixel];
+    const glm::ivec2 at = tile_.pixel_of_image(sample.pixel);
+    const glm::vec2 offset = scene::refined_offset(static_cast<int>(sample.number)) - 0.5f;
+
+    // Compare their light, as this surface would reflect it.
+    float weights[9];
+    glm::vec3 low(k_infinity), high(0);
+    float sum = 0;
+    for (int i = 0; i < 9; ++i) {
+        const glm::ivec2 there = at + glm::ivec2(i % 3 - 1, i / 3 - 1);
+        weights[i] = 0;
+        if (!refinement_->centres.inside(there.x, there.y)) continue;
+        const shading::CentreSample& other = refinement_->centres.at(there.x, there.y);
+        if (!shading::same_surface(own, other, options)) continue;
+        const glm::vec3 seen = shading::shown(
+            shading::relit(vector_at(single.color, there.x, there.y), other.reflectance, own.reflectance),
+            options.exposure);
+        low = glm::min(low, seen), high = glm::max(high, seen);
+        const glm::vec2 apart = offset - glm::vec2(there - at);
+        sum += weights[i] = nearness(apart.x) * nearness(apart.y);
+    }
+    if (!(sum > 0) || shading::difference(high, low) > options.agree) return false;
+
+    // Take the mean, near pixels first.
+    for (int i = 0; i < 9; ++i) {
+        if (weights[i] == 0) continue;
+        const glm::ivec2 there = at + glm::ivec2(i % 3 - 1, i / 3 - 1);
+        single_values(there);
+        add_share(point.pixel, own, refinement_->centres.at(there.x, there.y), weights[i] / sum, single_values_.data());
+    }
+    return true;
+}
+
+// Takes the light of the samples near a sample that show the same surface: those at the centres of the pixels around
+// it, and the first few of its own pixel.
+bool TileTracer::take_nearest(const TilePoint& point, const shading::CentreSample& own)
+{
+    constexpr int k_first = scene::k_first_refined_samples;
+    constexpr float k_least_square = 1e-4f;   // of a distance in pixels
+    const FurtherSample& sample = samples_[point.pixel];
+    const glm::ivec2 at = tile_.pixel_of_image(sample.pixel);
+    const glm::vec2 offset = scene::refined_offset(static_cast<int>(sample.number));
+    const shading::CentreSample* const known = known_.data() + sample.refined * std::size_t{k_first};
+
+    // Weigh them by the inverse square of the squared distance.
+    float weights[9 + k_first];
+    float sum = 0;
+    for (int i = 0; i < 9 + k_first; ++i) {
+        weights[i] = 0;
+        glm::vec2 apart;
+        const shading::CentreSample* other = nullptr;
+        if (i < 9) {
+            const glm::ivec2 there = at + glm::ivec2(i % 3 - 1, i / 3 - 1);
+            if (!refinement_->centres.inside(there.x, there.y)) continue;
+            other = &refinement_->centres.at(there.x, there.y);
+            apart = offset - 0.5f - glm::vec2(there - at);
+        } else {
+            other = known + (i - 9);
+            apart = offset - scene::refined_offset(i - 9);
+        }
+        if (!shading::same_surface(own, *other, refinement_->options)) continue;
+        const float square = glm::dot(apart, apart) + k_least_square;
+        sum += weights[i] = 1 / (square * square);
+    }
+    if (!(sum > 0)) return false;
+    const auto channels = static_cast<std::size_t>(refinement_->sums.channels());
+    for (int i = 0; i < 9 + k_first; ++i) {
+        if (weights[i] == 0) continue;
+        if (i < 9) {
+            const glm::ivec2 there = at + glm::ivec2(i % 3 - 1, i / 3 - 1);
+            single_values(there);
+            add_share(point.pixel, own, refinement_->centres.at(there.x, there.y), weights[i] / sum,
+                      single_values_.data());
+        } else {
+            const std::size_t from =
+                sample.refined * std::size_t{scene::k_refined_samples} + static_cast<std::size_t>(i - 9);
+            add_share(point.pixel, own, known[i - 9], weights[i] / sum, values_.data() + from * channels);
+        }
+    }
+    return true;
+}
+
+// Adds a share of what another sample showed of a surface, at a sample's own reflectance.
+// @param values  in the order of averaged_layers()
+void TileTracer::add_share(std::uint32_t to, const shading::CentreSample& own, const shading::CentreSample& of,
+                           float weight, const float* values)
+{
+    const auto take = [&] {
+        const glm::vec3 light =
+            weight * shading::relit({values[0], values[1], values[2]}, of.reflectance, own.reflectance);
+        values += 3;
+        return light;
+    };
+    color_[to] += take();
+    if (options_.backdrop_apart) backdrop_[to] += glm::vec3(weight * (1 - *values++));
+    if (!options_.layers) return;
+    direct_[to] += take();
+    indirect_color_[to] += take();
+    albedo_[to] += weight * own.reflectance;
+    values += 3;
+    const std::size_t lights = scene_.lights.size();
+    for (std::size_t l = 0; l < lights; ++l) shadow_[to * lights + l] += weight * values[l];
+}
+
+// The values of a pixel's first sample, in the order of averaged_layers().
+void TileTracer::single_values(const glm::ivec2& pixel)
+{
+    single_values_.clear();
+    for (const ImageF* layer : refinement_->layers) {
+        const float* const from = layer->pixel(pixel.x, pixel.y);
+        single_values_.insert(single_values_.end(), from, from + layer->channels);
+    }
+}
+
+// Gives the lobe of a further sample what rays of the pixels around it brought, where these show the same surface.
+bool TileTracer::take_lobe(const TilePoint& point, const shadow_culling::ShadowPoint& at)
+{
+    if (!refinement_->lobes) return false;
+    const shading::CentreSample own = centre_sample(point.surface, at.object, at.triangle);
+    const glm::ivec2 pixel = pixel_of_image(point.pixel);
+    glm::vec3 brought(0), weight(0);
+    for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+            const int x = pixel.x + dx, y = pixel.y + dy;
+            if (!refinement_->centres.inside(x, y)) continue;
+            if (!shading::same_surface(own, refinement_->centres.at(x, y), refinement_->options)) continue;
+            brought += refinement_->lobes->at(x, y).filtered, weight += refinement_->lobes->at(x, y).weight;
+        }
+    if (weight == glm::vec3(0)) return false;
+    glm::vec3 light(0);
+    for (int c = 0; c < 3; ++c)
+        if (weight[c] > 0) light[c] = point.throughput[c] * point.next.lobe_weight[c] * brought[c] / weight[c];
+    color_[point.pixel] += light;
+    return true;
+}
+
+}   // namespace gnomon::trace

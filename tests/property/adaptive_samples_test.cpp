@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+// Adaptive samples: the same bytes however a frame is made, near the image of many samples, and more samples only where
+// something ends.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "api/scene_access.h"
+#include "base/hash.h"
+#include "gnomon/gnomon.h"
+#include "ray/ray_scene.h"
+#include "scene/builtin/builtin.h"
+#include "trace/traced_frame.h"
+
+namespace gnomon {
+namespace {
+
+std::uint64_t hash_of(const Frame& frame)
+{
+    std::uint64_t hash = 0;
+    for (const Layer& layer : frame.layers) hash = hash * 31 + hash_span(layer.values());
+    return hash;
+}
+
+double rmse(std::span<const float> a, std::span<const float> b)
+{
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * static_cast<double>(a[i] - b[i]);
+    return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+// A board of 2 x 2 that fills the view, below a light. With `shade`, a strip between them casts a shadow on it; the
+// strip itself is not seen.
+Scene board(bool shade)
+{
+    SceneBuilder builder;
+    const auto square = [&](float side, float y, float depth) {
+        const std::vector<Vec3> corners = {{-side, y, -depth}, {-side, y, depth}, {side, y, depth}, {side, y, -depth}};
+        const std::vector<std::uint32_t> indices = {0, 1, 2, 0, 2, 3};
+        return builder.mesh({.positions = corners, .indices = indices});
+    };
+    const MaterialId white = builder.material({.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .ior = 1});
+    builder.instance(square(20, 0, 20), white);
+    if (shade) builder.instance(square(1.03f, 5, 0.21f), white);
+    builder.light({.color = {300, 300, 300}}, Transform::translation(0, 10, 0));
+    return builder.finish();
+}
+
+struct Traced {
+    shading::FrameBuffers buffers;
+    FrameCounters counters;
+};
+
+Traced traced(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view,
+              const trace::TracedOptions& options, int threads = 1)
+{
+    Tasks tasks(threads);
+    Traced result;
+    result.counters = trace::trace_frame(state, rays, view, options, tasks, result.buffers);
+    return result;
+}
+
+// The built-in room, without indirect light.
+class Room : public ::testing::Test {
+ protected:
+    std::shared_ptr<const scene::Scene> scene_ = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
+    scene::SceneState state_{scene_, 0};
+    ray::RayScene rays_{state_};
+    scene::View view_ = scene::make_view(state_, 0, {96, 64});
+    trace::TracedOptions adaptive_{.filter = PixelFilter::blackman_harris, .adaptive = true, .exposure = 0.0f};
+    trace::TracedOptions many_{.samples = 64, .filter = PixelFilter::blackman_harris};
+};
+
+TEST(AdaptiveSamples, SameBytesForAnyNumberOfThreadsAndAnyHistory)
+{
+    for (const char* name : {"builtin:cornell", "builtin:spheres?objects=20&dynamic=20&vertices=200"}) {
+        const Scene scene = load(name);
+        RenderOptions options{.size = {72, 50}, .samples = k_adaptive_samples, .threads = 1, .layers = true};
+        Renderer whole(options);
+        std::uint64_t last = 0;
+        for (int frame = 1; frame <= 3; ++frame) last = hash_of(whole.render(scene, frame));
+        options.threads = 3;
+        Renderer cold(options);
+        EXPECT_EQ(hash_of(cold.render(scene, 3)), last) << name;
+        // Without culling, nothing is remembered.
+        options.shadow_culling = ShadowCulling::off;
+        Renderer off(options);
+        EXPECT_EQ(hash_of(off.render(scene, 3)), last) << name;
+    }
+}
+
+TEST(AdaptiveSamples, LayersDoNotChangeTheImage)
+{
+    const Scene scene = load("builtin:cornell");
+    RenderOptions options{.size = {72, 50}, .samples = k_adaptive_samples};
+    Renderer plain(options);
+    options.layers = true;
+    Renderer layered(options);
+    EXPECT_EQ(hash_span(plain.render(scene, 1).layers[0].values()),
+              hash_span(layered.render(scene, 1).layers[0].values()));
+}
+
+TEST_F(Room, IsNearTheImageOfManySamples)
+{
+    const Traced many = traced(state_, rays_, view_, many_);
+    const Traced adaptive = traced(state_, rays_, view_, adaptive_);
+    trace::TracedOptions one_options = many_;
+    one_options.samples = 1;
+    const Traced one = traced(state_, rays_, view_, one_options);
+    const double error = rmse(adaptive.buffers.color.data, many.buffers.color.data);
+    EXPECT_LT(error, 0.4 * rmse(one.buffers.color.data, many.buffers.color.data));
+    EXPECT_LT(adaptive.counters.samples.pixels, 96u * 64u / 3);
+    EXPECT_GT(adaptive.counters.samples.pixels, 0u);
+    EXPECT_LT(adaptive.counters.samples.shaded, adaptive.counters.samples.taken);
+}
+
+// The reference computes the light of every further sample.
+TEST_F(Room, LightThatIsTakenIsNearLightThatIsComputed)
+{
+    const Traced taken = traced(state_, rays_, view_, adaptive_);
+    trace::TracedOptions options = adaptive_;
+    options.refine.agree = -1;
+    const Traced computed = traced(state_, rays_, view_, options);
+    EXPECT_LT(taken.counters.samples.shaded, computed.counters.samples.shaded);
+    EXPECT_EQ(taken.counters.samples.pixels, computed.counters.samples.pixels);
+    EXPECT_LT(rmse(taken.buffers.color.data, computed.buffers.color.data), 0.004);
+}
+
+TEST_F(Room, TilesLeaveNoSeams)
+{
+    const Traced large = traced(state_, rays_, view_, adaptive_);
+    trace::TracedOptions options = adaptive_;
+    options.tile = 8;
+    const Traced small = traced(state_, rays_, view_, options);
+    ASSERT_EQ(large.counters.samples.taken, small.counters.samples.taken);
+    for (std::size_t i = 0; i < large.buffers.color.data.size(); ++i)
+        ASSERT_NEAR(large.buffers.color.data[i], small.buffers.color.data[i], 1e-4f) << i;
+}
+
+TEST_F(Room, OneSampleWithTheBoxFilterIsUnchanged)
+{
+    const Traced plain = traced(state_, rays_, view_, {});
+    trace::TracedOptions options = adaptive_;
+    options.filter = PixelFilter::box;
+    options.refine.edge = options.refine.light = 10;   // no difference is as large
+    const Traced adaptive = traced(state_, rays_, view_, options);
+    EXPECT_EQ(adaptive.counters.samples.pixels, 0u);
+    for (std::size_t i = 0; i < plain.buffers.color.data.size(); ++i)
+        ASSERT_NEAR(plain.buffers.color.data[i], adaptive.buffers.color.data[i],
+                    1e-6f * (1 + plain.buffers.color.data[i]));
+}
+
+TEST(AdaptiveSamples, EdgesBeforeATransparentBackgroundCoverPixelsInPart)
+{
+    SceneBuilder builder;
+    const std::vector<Vec3> corners = {{-1, -1, 0}, {1.2f, -0.8f, 0}, {0.1f, 1, 0}};
+    const std::vector<std::uint32_t> indices = {0, 1, 2};
+    builder.instance(builder.mesh({.positions = corners, .indices = indices}), builder.material({}));
+    builder.light({.color = {30, 30, 30}}, Transform::translation(0, 0, 3));
+    builder.camera({.transform = Transform::translation(0, 0, 4)});
+    Renderer renderer({.size = {60, 60}, .samples = k_adaptive_samples, .background = BackgroundKind::transparent});
+    const Frame frame = renderer.render(builder.finish(), 1);
+    const Layer* alpha = frame.layer("alpha");
+    ASSERT_TRUE(alpha);
+    std::set<float> partly;
+    for (const float a : alpha->values()) {
+        EXPECT_GE(a, 0);
+        EXPECT_LE(a, 1);
+        if (a > 0 && a < 1) partly.insert(a);
+    }
+    EXPECT_GT(partly.size(), 12u);
+}
+
+TEST(AdaptiveSamples, RefinesNothingOnAnEvenBoardAndTheEdgeOfAShadowOnIt)
+{
+    for (const bool shade : {false, true}) {
+        const Scene scene = board(shade);
+        const scene::SceneState state(api::scene_of(scene), 0);
+        const ray::RayScene rays(state);
+        scene::View view;
+        view.eye = {0, 3, 0}, view.forward = {0, -1, 0};
+        view.right = {0.9f, 0, 0}, view.up = {0, 0, -0.9f};
+        view.size = {64, 64};
+        view.pixel_spread = 2 * 0.9f / 64;
+        const Traced result =
+            traced(state, rays, view, {.filter = PixelFilter::blackman_harris, .adaptive = true, .exposure = 0.0f});
+        if (!shade) {
+            EXPECT_EQ(result.counters.samples.pixels, 0u);
+            continue;
+        }
+        // Nothing but light differs there, so it is computed.
+        EXPECT_GT(result.counters.samples.pixels, 64u);
+        EXPECT_LT(result.counters.samples.pixels, 64u * 64u / 4);
+        EXPECT_EQ(result.counters.samples.shaded, result.counters.samples.taken);
+    }
+}
+
+}   // namespace
+}   // namespace gnomon

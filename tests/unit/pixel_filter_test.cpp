@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// Samples become pixels by weights that sum to 1, whatever the tiles, and bright ones count less.
+#include "image/pixel_filter.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace gnomon::image {
+namespace {
+
+constexpr PixelFilter k_filters[] = {PixelFilter::box, PixelFilter::gaussian, PixelFilter::blackman_harris};
+
+std::vector<float> resolved(const SampleSums& sums, Size size, std::size_t tiles)
+{
+    const auto channels = static_cast<std::size_t>(sums.channels());
+    std::vector<float> image(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height) * channels);
+    for (std::size_t tile = 0; tile < tiles; ++tile)
+        sums.resolve(tile, [&](int x, int y, const float* values) {
+            const auto at =
+                (static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) + static_cast<std::size_t>(x)) *
+                channels;
+            for (std::size_t c = 0; c < channels; ++c) image[at + c] = values[c];
+        });
+    return image;
+}
+
+// Adds a sample at every pixel's centre to sums in tiles of `side` pixels.
+std::vector<float> filtered(PixelFilter filter, Size size, int side, const std::vector<float>& gray)
+{
+    SampleSums sums(size, side, 3, k_infinity);
+    const SampleWeights weights = sample_weights(filter, glm::vec2(0.5f));
+    const int columns = (size.width + side - 1) / side, rows = (size.height + side - 1) / side;
+    for (int y = 0; y < size.height; ++y)
+        for (int x = 0; x < size.width; ++x) {
+            const float v = gray[static_cast<std::size_t>(y * size.width + x)];
+            const float values[3] = {v, v, v};
+            sums.add(static_cast<std::size_t>(y / side * columns + x / side), x % side, y % side, weights, 1, values);
+        }
+    return resolved(sums, size, static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
+}
+
+TEST(PixelFilter, WeightsFallFromTheCentreAndAreNeverNegative)
+{
+    for (const PixelFilter filter : k_filters) {
+        float last = filter_weight(filter, 0);
+        EXPECT_GT(last, 0);
+        for (float d = 0; d < 2; d += 0.01f) {
+            const float w = filter_weight(filter, d);
+            EXPECT_GE(w, 0);
+            EXPECT_LE(w, last + 1e-6f);
+            EXPECT_EQ(w, filter_weight(filter, -d));
+            last = w;
+        }
+        EXPECT_EQ(filter_weight(filter, k_filter_radius), 0);
+    }
+}
+
+TEST(PixelFilter, EvenImageStaysEven)
+{
+    const Size size{7, 5};
+    for (const PixelFilter filter : k_filters)
+        for (const float v : filtered(filter, size, 4, std::vector<float>(35, 0.5f))) EXPECT_NEAR(v, 0.5f, 1e-6f);
+}
+
+TEST(PixelFilter, BoxKeepsPixelsApart)
+{
+    const Size size{4, 1};
+    const std::vector<float> image = filtered(PixelFilter::box, size, 2, {0, 1, 0, 3});
+    EXPECT_EQ(image[0], 0);
+    EXPECT_EQ(image[3], 1);
+    EXPECT_EQ(image[6], 0);
+    EXPECT_EQ(image[9], 3);
+}
+
+TEST(PixelFilter, BrightPixelReachesItsNeighboursAcrossTiles)
+{
+    const Size size{5, 5};
+    std::vector<float> gray(25, 0);
+    gray[12] = 1;
+    const std::vector<float> one_tile = filtered(PixelFilter::blackman_harris, size, 8, gray);
+    const float beside =
+        filter_weight(PixelFilter::blackman_harris, 1) / filter_weight(PixelFilter::blackman_harris, 0);
+    const float sum = 1 + 2 * beside;
+    EXPECT_NEAR(one_tile[12 * 3], 1 / (sum * sum), 1e-6f);
+    EXPECT_NEAR(one_tile[11 * 3], beside / (sum * sum), 1e-6f);
+    EXPECT_EQ(one_tile[10 * 3], 0);
+    for (const int side : {1, 2, 3, 4}) {
+        const std::vector<float> tiled = filtered(PixelFilter::blackman_harris, size, side, gray);
+        for (std::size_t i = 0; i < tiled.size(); ++i) EXPECT_NEAR(tiled[i], one_tile[i], 1e-6f) << side;
+    }
+}
+
+TEST(PixelFilter, SamplesOfAPixelStandForItsArea)
+{
+    // The left pixel has one sample, the right one two.
+    SampleSums sums({2, 1}, 2, 4, k_infinity);
+    const SampleWeights centre = sample_weights(PixelFilter::box, glm::vec2(0.5f));
+    const float dark[4] = {0, 0, 0, 0}, bright[4] = {1, 1, 1, 8};
+    sums.add(0, 0, 0, centre, 1, bright);
+    sums.add(0, 1, 0, centre, 0.5f, bright);
+    sums.add(0, 1, 0, centre, 0.5f, dark);
+    const std::vector<float> image = resolved(sums, {2, 1}, 1);
+    EXPECT_EQ(image[0], 1);
+    EXPECT_EQ(image[4], 0.5f);
+    EXPECT_EQ(image[7], 4);
+}
+
+TEST(PixelFilter, LightAboveWhiteCountsLess)
+{
+    // One of four samples shows an emitter 30 times as bright as white. Its edge becomes a step below white.
+    SampleSums sums({1, 1}, 1, 4, 1);
+    const SampleWeights centre = sample_weights(PixelFilter::box, glm::vec2(0.5f));
+    const float bright[4] = {30, 30, 30, 1}, dark[4] = {0, 0, 0, 0};
+    sums.add(0, 0, 0, centre, 0.25f, bright);
+    for (int i = 0; i < 3; ++i) sums.add(0, 0, 0, centre, 0.25f, dark);
+    const std::vector<float> image = resolved(sums, {1, 1}, 1);
+    EXPECT_LT(image[0], 0.5f);
+    EXPECT_GT(image[0], 0.25f);
+    EXPECT_EQ(image[3], 0.25f);   // coverage is not light
+}
+
+}   // namespace
+}   // namespace gnomon::image
