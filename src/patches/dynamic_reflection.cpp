@@ -184,8 +184,7 @@ void DynamicReflection::light_by_patches(const scene::SceneState& state, const r
     if (light.exitance.empty() && !light.surroundings.any()) return;
     interruption_point();
     rays_.clear();
-    for (std::size_t k = 0; k < reflectors_.size(); ++k) {
-        const Reflector& from = reflectors_[k];
+    for (const Reflector& from : reflectors_) {
         glm::vec3 x, y;
         make_basis(from.normal, x, y);
         for (std::size_t r = 0; r < k_rays; ++r) {

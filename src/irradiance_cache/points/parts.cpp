@@ -16,17 +16,6 @@ glm::vec3 cross_of(const ray::ObjectGeometry& geometry, std::uint32_t triangle)
     return glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
 }
 
-// The area by which a triangle is divided: its own, or that of a less slender one of its length.
-float divided_area(const ray::ObjectGeometry& geometry, std::uint32_t triangle)
-{
-    constexpr float k_least_width = 0.16f;   // twice the area, of the longest side's square
-    glm::vec3 p[3];
-    geometry.corners(triangle, p);
-    const glm::vec3 a = p[1] - p[0], b = p[2] - p[0], c = p[2] - p[1];
-    const float longest = std::max({glm::dot(a, a), glm::dot(b, b), glm::dot(c, c)});
-    return std::max(0.5f * glm::length(glm::cross(a, b)), k_least_width * longest);
-}
-
 // Adds parts of a point's own triangle of about `spacing`.
 // @param cross  cross_of() the triangle
 void add_own_parts(const CacheFrame& frame, PartWeights& parts, const IndirectPoint& point, const glm::vec3& cross,
@@ -34,7 +23,7 @@ void add_own_parts(const CacheFrame& frame, PartWeights& parts, const IndirectPo
 {
     const std::uint32_t triangle = frame.triangles.first(point.object) + point.triangle;
     const bool front = glm::dot(cross, point.geometric_normal) > 0;
-    const PartDetail detail = part_detail(divided_area(frame.rays->geometry(point.object), point.triangle), spacing);
+    const PartDetail detail = part_detail(0.5f * glm::length(cross), spacing);
     const float finer = frame.state->is_dynamic(point.object) ? 1.0f : frame.fade_in(detail.fraction);
     parts.add(part_key(triangle, front, detail.level, point.u, point.v), finer);
     if (finer < 1) parts.add(part_key(triangle, front, detail.level - 1, point.u, point.v), 1 - finer);
@@ -61,7 +50,7 @@ PartWeights select_parts(const CacheFrame& frame, const IndirectPoint& point, fl
     const bool moves = frame.state->is_dynamic(point.object);
     const std::uint32_t first = frame.triangles.first(point.object);
     const glm::vec3 own = cross_of(geometry, point.triangle);
-    const float twice_area = 2 * divided_area(geometry, point.triangle);
+    const float twice_area = glm::length(own);
     PartWeights parts;
     if (!(twice_area < spacing * spacing)) {
         add_own_parts(frame, parts, point, own, spacing);
