@@ -528,7 +528,7 @@ TEST(Misuse, FramesOutputsAndOptions)
     options("half a size", [](RenderOptions& o) { o.size = {8, 0}; });
     options("huge size", [](RenderOptions& o) { o.size = {32768, 32768}; });
     options("threads", [](RenderOptions& o) { o.threads = std::numeric_limits<int>::max(); });
-    options("samples", [](RenderOptions& o) { o.samples = 0; });
+    options("samples", [](RenderOptions& o) { o.samples = -1; });
     options("depth", [](RenderOptions& o) { o.max_depth = -1; });
     options("memory", [](RenderOptions& o) { o.memory = -1; });
     options("cache", [](RenderOptions& o) { o.indirect_memory = std::numeric_limits<int>::max(); });
