@@ -10,6 +10,7 @@
 #include "base/interruption.h"
 #include "base/micro_triangles.h"
 #include "lighting/diffuse.h"
+#include "ray/directions_above.h"
 #include "ray/origin.h"
 
 namespace gnomon::patches {
@@ -402,17 +403,12 @@ std::uint32_t SurfacePatches::group_places(const ray::RayScene& rays, std::span<
 void SurfacePatches::find_openness(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
                                    Made& made) const
 {
-    constexpr float k_up = 0.6f, k_aside = 0.8f;
-    constexpr std::size_t k_directions = 5;
+    constexpr std::size_t k_directions = std::tuple_size_v<decltype(ray::directions_above({}))>;
     const float reach = options_.open_reach * parts[sides[0].part()].width;
     made.rays.clear();
     for (const std::uint32_t s : made.chosen) {
         const glm::vec3 n = sides[s].normal(parts[sides[s].part()]), from = above(parts, sides[s], 0);
-        glm::vec3 t, b;
-        make_basis(n, t, b);
-        for (const glm::vec3& d :
-             {n, k_up * n + k_aside * t, k_up * n - k_aside * t, k_up * n + k_aside * b, k_up * n - k_aside * b})
-            made.rays.push(from, 0, reach * d, 1);
+        for (const glm::vec3& d : ray::directions_above(n)) made.rays.push(from, 0, reach * d, 1);
     }
     made.trace(rays);
     made.openness.assign(made.chosen.size(), 0);

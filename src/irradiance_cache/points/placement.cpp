@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/micro_triangles.h"
+#include "ray/directions_above.h"
 #include "ray/origin.h"
 #include "ray/smooth_surface.h"
 
@@ -201,18 +202,13 @@ void PointPlacer::find_free_distances(const CacheFrame& frame)
 // surface around. Lattice points do not exist there.
 void PointPlacer::find_covered(const CacheFrame& frame)
 {
-    constexpr float k_up = 0.6f, k_aside = 0.8f;
-    constexpr std::size_t k_directions = 5;
+    constexpr std::size_t k_directions = std::tuple_size_v<decltype(ray::directions_above({}))>;
     for (CachePoint* point : placed_)
         if (point->exists) covering_.push_back({point, k_covered_lattice * lattice_spacing(point->key)});
     rays_.clear();
     for (const Covering& c : covering_) {
         const glm::vec3 &n = c.point->geometric_normal, from = c.point->position + c.point->lift * n;
-        glm::vec3 t, b;
-        make_basis(n, t, b);
-        for (const glm::vec3& d :
-             {n, k_up * n + k_aside * t, k_up * n - k_aside * t, k_up * n + k_aside * b, k_up * n - k_aside * b})
-            rays_.push(from, 0, d, c.reach);
+        for (const glm::vec3& d : ray::directions_above(n)) rays_.push(from, 0, d, c.reach);
     }
     occluded_.resize(rays_.size() + ray::k_packet_pad);
     frame.rays->occluded(rays_, 0, rays_.size(), occluded_.data(), ray::Against::static_only);

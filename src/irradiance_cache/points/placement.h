@@ -3,8 +3,8 @@
 // Places new cache points on surfaces: where a lattice line meets static geometry and how far the surface around is
 // free, and the centre of a part of a triangle.
 //
-// Cost: a new lattice point: 1 to 6 rays along its line, and four along the surface. A part: no ray; parts of dynamic
-// objects are placed again whenever one moved.
+// Cost: a new lattice point: 1 to 6 rays along its line, four along the surface, and five that find whether geometry
+// covers it. A new part of a static object: these five. Parts of dynamic objects are placed again whenever one moved.
 
 #include <span>
 #include <vector>
