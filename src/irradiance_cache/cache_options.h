@@ -21,7 +21,7 @@ struct CacheOptions {
     float pixels_per_own = 2;     // size of the part around the pixel itself, used where all other points are dark
     CutOptions cut;
     // Replace cut.error and cut.estimate for points on dynamic objects, because their cut is made again in every frame.
-    float moving_error = 0.2f, moving_estimate = 0.05f;
+    float moving_error = 0.08f, moving_estimate = 0.05f;
     // Near field (near_field/near_light.h): its radius in sizes of a light-tree leaf, and the spacing of far points, in
     // radii, above which it is left out.
     float near_radius = 1, near_spacing = 4;

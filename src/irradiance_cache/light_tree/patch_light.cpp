@@ -95,6 +95,23 @@ PatchLight::PatchLight(const scene::SceneState& state, const ray::RayScene& rays
     node_.resize(area_.size());
     for (std::uint32_t n = 0; n < tree_.patch.size(); ++n)
         if (tree_.patch[n] != patches::k_no_patch) node_[tree_.patch[n]] = n;
+    find_uneven();
+}
+
+// Children come after their parents.
+void PatchLight::find_uneven()
+{
+    constexpr float k_even = 0.98f;   // square of the length of the mean normal
+    uneven_.assign(tree_.patch.size(), 0);
+    for (std::size_t n = uneven_.size(); n-- > 0;) {
+        if (tree_.patch[n] != patches::k_no_patch) {
+            const patches::Patch& patch = patches_.patches()[tree_.patch[n]];
+            if (glm::dot(patch.normal, patch.normal) < k_even) uneven_[n] = patch.radius;
+        } else if (tree_.children[n] != scene::none) {
+            const auto below = uneven_.begin() + 4 * static_cast<std::ptrdiff_t>(tree_.children[n]);
+            uneven_[n] = *std::max_element(below, below + 4);
+        }
+    }
 }
 
 int PatchLight::sweeps() const
@@ -183,7 +200,7 @@ void PatchLight::light_now(std::span<const glm::vec3> lost, std::span<const glm:
 
 std::size_t PatchLight::bytes() const
 {
-    return patches_.bytes() + links_.bytes() + emission_.bytes() + tree_.children.size() * 2 * sizeof(std::uint32_t) +
+    return patches_.bytes() + links_.bytes() + emission_.bytes() + tree_.children.size() * 3 * sizeof(std::uint32_t) +
            area_.size() * (sizeof(float) + sizeof(std::uint32_t) + 3 * sizeof(glm::vec3)) +
            static_exitance_.size() * sizeof(glm::vec3);
 }

@@ -52,6 +52,9 @@ class PatchLight {
     bool bounces() const { return options_.bounces > 1; }
     const patches::SurfacePatches& patches() const { return patches_; }
     const PatchTree& tree() const { return tree_; }
+    /// The radius of the widest patch below each node of the tree, of those whose surface is uneven: its parts may see
+    /// each other. 0: none.
+    std::span<const float> uneven() const { return uneven_; }
     /// The node of that tree that is a patch.
     std::uint32_t node(patches::PatchId patch) const { return node_[patch]; }
 
@@ -84,6 +87,7 @@ class PatchLight {
 
  private:
     int sweeps() const;
+    void find_uneven();
     patches::PatchSurfaces surfaces() const { return {albedo_, area_}; }
 
     PatchLightOptions options_;
@@ -92,6 +96,7 @@ class PatchLight {
     patches::PatchLinks links_;
     patches::PatchEmission emission_;
     PatchTree tree_;
+    std::vector<float> uneven_;         // by node
     std::vector<std::uint32_t> node_;   // by patch
     std::vector<glm::vec3> albedo_;
     std::vector<float> area_;

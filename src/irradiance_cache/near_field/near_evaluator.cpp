@@ -4,42 +4,9 @@
 #include <algorithm>
 
 #include "base/interruption.h"
+#include "irradiance_cache/near_field/near_of_points.h"
 
 namespace gnomon::irradiance_cache {
-
-namespace {
-
-// Whether a dynamic object may come between the point and surfaces near it, or between those surfaces and a light.
-bool dynamic_may_occlude(const CacheFrame& frame, const CachePoint& point)
-{
-    if (frame.dynamic_bounds.empty()) return false;
-    const glm::vec3* const light = point.static_light;
-    if (light[0] == glm::vec3(0) && light[1] == glm::vec3(0) && light[2] == glm::vec3(0)) return false;
-    const float radius = frame.near_field.light().options().radius;
-    const scene::Scene& scene = frame.state->scene();
-    // Does a sphere meet the near field around the way from the point to `way` beyond it, or without an end?
-    const auto meets = [&](const Sphere& sphere, const glm::vec3& way, bool endless) {
-        const glm::vec3 at = sphere.centre - point.origin();
-        const float square = glm::dot(way, way);
-        float along = square > 0 ? std::max(glm::dot(at, way) / square, 0.0f) : 0.0f;
-        if (!endless) along = std::min(along, 1.0f);
-        const glm::vec3 off = at - along * way;
-        const float reach = sphere.radius + radius;
-        return glm::dot(off, off) <= reach * reach;
-    };
-    for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
-        const scene::LightState& at = frame.state->light(l);
-        if (!at.visible || scene.lights[l].of_environment) continue;
-        const bool endless = scene.lights[l].type == scene::LightType::directional;
-        const glm::vec3 way = endless ? -at.direction : at.position - point.origin();
-        if (frame.dynamic_bounds.any([&](const Sphere& sphere) { return meets(sphere, way, endless); },
-                                     [](const Sphere&) { return true; }))
-            return true;
-    }
-    return false;
-}
-
-}   // namespace
 
 // Gathers the near field of those near-field points that are wanted, some at a time, and stores the answers.
 template <class Wanted, class Store>
@@ -90,7 +57,7 @@ void NearEvaluator::evaluate(const CacheFrame& frame, std::span<CachePoint* cons
             if (point.dynamic_version == frame.dynamic_version) return false;
             point.dynamic_version = frame.dynamic_version;
             std::copy(point.static_light, point.static_light + 3, point.light);
-            return dynamic_may_occlude(frame, point);
+            return dynamic_may_occlude_near(frame, point);
         },
         [&](CachePoint& point, const NearAnswer& answer) { std::copy(answer.light, answer.light + 3, point.light); },
         counters);

@@ -21,12 +21,13 @@ inline constexpr std::uint32_t k_no_owner = scene::none;   // of points on stati
 
 struct CachePoint {
     AnchorKey key = 0;
-    bool exists = false;     // the key's place lies on a surface
-    bool queued = false;     // waits for evaluation by a PointDevice
-    bool covered = false;    // parts of static objects: other geometry lies on it
-    float lift = 0;          // distance from the surface at which rays start
-    glm::vec3 position{0};   // on the surface
-    glm::vec3 normal{0};     // unit, shading
+    bool exists = false;       // the key's place lies on a surface
+    bool queued = false;       // waits for evaluation by a PointDevice
+    bool covered = false;      // parts of static objects: other geometry lies on it
+    bool near_light = false;   // static_light includes light of a near field (near_field/near_of_points.h)
+    float lift = 0;            // distance from the surface at which rays start
+    glm::vec3 position{0};     // on the surface
+    glm::vec3 normal{0};       // unit, shading
     glm::vec3 geometric_normal{0};
     glm::vec3 horizon{0};       // unit: light comes from above its plane (ray/smooth_surface.h)
     glm::vec3 smooth_lift{0};   // from the position to the smooth surface

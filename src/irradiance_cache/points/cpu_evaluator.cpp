@@ -76,6 +76,7 @@ void CpuEvaluator::sum(const CacheFrame& frame, std::span<CachePoint* const> poi
             if (!frame.dynamic_bounds.empty() || frame.lights.any_differs()) correct(frame, point, scratch);
         }
         scratch.present.finish({frame.rays}, scratch.counters);
+        if (!frame.dynamic_bounds.empty()) scratch.near.correct(frame, scratch.points, scratch.counters);
         for (CachePoint* point : scratch.points) end_corrections(*point);
     }
 }

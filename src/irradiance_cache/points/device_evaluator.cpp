@@ -176,6 +176,8 @@ void DeviceEvaluator::sum(const CacheFrame& frame, std::span<CachePoint* const> 
             own.present.add_dynamic_lights(frame, point);
         }
         own.present.finish(tester(frame), own.counters);
+        if (!frame.dynamic_bounds.empty())
+            own.near.correct(frame, std::span(changed).subspan(begin, end - begin), own.counters);
         for (std::size_t p = begin; p < end; ++p) end_corrections(*changed[p]);
     });
 }

@@ -20,6 +20,7 @@ struct EvaluationScratch {
     CacheCounters counters;
     StaticVisibility visibility;
     PresentLight present;
+    NearOfPoints near;
     std::vector<CachePoint*> points;
     std::vector<CachePoint*> queued;   // for the device
     std::vector<NodeId> cut, stack;

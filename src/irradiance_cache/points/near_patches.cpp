@@ -9,7 +9,8 @@ namespace gnomon::irradiance_cache {
 
 namespace {
 
-constexpr float k_least_cosine = 0.1f;    // as of nodes: bounds light at grazing angles for other normals
+constexpr float k_least_cosine = 0.1f;   // as of nodes: bounds light at grazing angles for other normals
+constexpr float k_tiny = 1e-30f;
 constexpr float k_clear_cosine = 0.25f;   // of a node's place, from which on it can stand for its patch
 
 }   // namespace
@@ -41,6 +42,7 @@ std::size_t NearPatches::divide(const LightTree& tree, const CachePoint& point, 
         near += light;
         reach = std::max(reach, distance + quad.radius[lane]);
     }
+    add_missed(tree, origin, nodes, near, all, reach);
     if (!(near > k_least * all)) {
         nodes_.resize(first);
         return k_none;
@@ -60,6 +62,46 @@ std::size_t NearPatches::divide(const LightTree& tree, const CachePoint& point, 
     make_basis(point.normal, t, b);
     for (const glm::vec3& d : directions_) rays_.push(origin, d.x * t + d.y * b + d.z * point.normal, reach);
     return ends_.size() - 1;
+}
+
+// Adds near patches that the cut leaves out because their middle is no higher than the point: the point's own, above
+// all, whose surface may be uneven.
+void NearPatches::add_missed(const LightTree& tree, const glm::vec3& origin, std::span<const NodeId> cut, float& near,
+                             float& all, float& reach)
+{
+    // Part of an uneven patch's exitance that its own light is assumed to be, by the spread of its normals.
+    constexpr float k_own_light = 0.5f;
+    held_.clear();
+    for (const NodeId node : cut)
+        if (node >= tree.first_patch()) held_.push_back(node);
+    std::sort(held_.begin(), held_.end());
+    const std::span<const float> uneven = tree.patch_light()->uneven();
+    stack_.clear();
+    for (const std::uint32_t root : tree.patch_light()->tree().roots) stack_.push_back(tree.first_patch() / 4 + root);
+    while (!stack_.empty()) {
+        const NodeId number = stack_.back();
+        stack_.pop_back();
+        const VirtualLightQuad& quad = tree.quad(number);
+        for (NodeId lane = 0; lane < 4; ++lane) {
+            const NodeId node = 4 * number + lane, below = tree.children(node);
+            const float widest = uneven[node - tree.first_patch()];
+            if (!(widest > 0) || !(quad.flux[lane] > 0)) continue;
+            const float distance = glm::length(glm::vec3(quad.x[lane], quad.y[lane], quad.z[lane]) - origin);
+            // The middles of all patches below lie within the node's sphere.
+            const float nearest = below == scene::none ? distance : distance - quad.radius[lane];
+            if (!(widest > k_width * nearest) || std::ranges::binary_search(held_, node)) continue;
+            if (below != scene::none) {
+                stack_.push_back(below);
+                continue;
+            }
+            const glm::vec3 normal(quad.nx[lane], quad.ny[lane], quad.nz[lane]);
+            const float spread = 1 - glm::dot(normal, normal);
+            const float light = k_own_light * spread * quad.flux[lane] / std::max(quad.area[lane], k_tiny);
+            nodes_.push_back(node);
+            near += light, all += light;
+            reach = std::max(reach, distance + quad.radius[lane]);
+        }
+    }
 }
 
 void NearPatches::trace(const CacheFrame& frame)

@@ -45,6 +45,9 @@ class NearPatches {
               glm::vec3 (&rest)[3]);
 
  private:
+    void add_missed(const LightTree& tree, const glm::vec3& origin, std::span<const NodeId> cut, float& near,
+                    float& all, float& reach);
+
     static constexpr float k_width = 0.5f;    // radius over distance from which on a patch is near
     static constexpr float k_least = 0.03f;   // fraction of a point's light, visibility ignored, that they must bring
     struct Met {
@@ -58,6 +61,7 @@ class NearPatches {
     std::vector<NodeId> nodes_;       // near patches of all points
     std::vector<std::size_t> ends_;   // by point: where its near patches end
     std::vector<Met> met_;
+    std::vector<NodeId> held_, stack_;   // of one point: nodes of its cut over patches; quads
 };
 
 }   // namespace gnomon::irradiance_cache

@@ -14,13 +14,6 @@ namespace {
 // Light below this fraction of the static light is what rounding leaves of light that was taken away.
 constexpr float k_rounding = 1e-5f;
 
-// Whether a point's near field is gathered by rays of its own (near_field/), so that nodes provide only the rest.
-bool has_near_field(const CacheFrame& frame, const CachePoint& point)
-{
-    if (point.owner != k_no_owner) return false;
-    return !is_lattice(point.key) || frame.near_field.applies_at(lattice_spacing(point.key));
-}
-
 // Whether a direction of the sky is above a point's surface.
 bool above(const CachePoint& point, const glm::vec3& direction)
 {
@@ -53,7 +46,7 @@ void StaticVisibility::clear()
 void StaticVisibility::add(const CacheFrame& frame, CachePoint& point, std::span<const NodeId> cut,
                            std::span<const float> weight)
 {
-    const float radius = has_near_field(frame, point) ? frame.near_field.light().options().radius : 0;
+    const float radius = point.owner == k_no_owner ? frame.near_field.light().options().radius : 0;
     added_.push_back({&point, nodes_.size(), NearPatches::k_none});
     point.tint = glm::vec3(1);
     if (frame.lights.patch_light() && point.owner == k_no_owner) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "irradiance_cache/cache_frame.h"
+#include "irradiance_cache/near_field/near_of_points.h"
 #include "irradiance_cache/points/cache_point.h"
 #include "irradiance_cache/points/near_patches.h"
 
@@ -34,6 +35,7 @@ class StaticVisibility {
     /// Adds a point with its cut: the nodes, and what a unit of flux of each brings.
     void add(const CacheFrame& frame, CachePoint& point, std::span<const NodeId> cut, std::span<const float> weight);
     /// Traces a ray to each node, and calls store(point, nodes) in order, where `nodes` are those that are visible.
+    /// Then adds the static light that no node stands for.
     template <class Store>
     void trace_nodes(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters,
                      const Store& store);
@@ -51,6 +53,8 @@ class StaticVisibility {
     void add_node(const CacheFrame& frame, const CachePoint& point, NodeId node, float weight, float radius);
     std::vector<Added> added_;
     NearPatches near_;
+    NearOfPoints near_field_;
+    std::vector<CachePoint*> points_;
     std::vector<NodeId> cut_;   // of one point
     std::vector<float> cut_weights_;
     ray::RayQueue rays_;
@@ -118,6 +122,9 @@ void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTeste
         counters.nodes += seen_.size();
     }
     counters.new_points += added_.size();
+    points_.clear();
+    for (const Added& added : added_) points_.push_back(added.point);
+    near_field_.add_static(frame, points_, counters);
 }
 
 }   // namespace gnomon::irradiance_cache

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irradiance_cache/near_field/near_of_points.h"
+
+#include <algorithm>
+
+#include "base/interruption.h"
+
+namespace gnomon::irradiance_cache {
+
+bool includes_near_field(const CacheFrame& frame, const CachePoint& point)
+{
+    return point.owner == k_no_owner && is_lattice(point.key) && frame.near_field.light().options().radius > 0 &&
+           !frame.near_field.applies_at(lattice_spacing(point.key));
+}
+
+bool dynamic_may_occlude_near(const CacheFrame& frame, const CachePoint& point)
+{
+    if (frame.dynamic_bounds.empty()) return false;
+    const glm::vec3* const light = point.static_light;
+    if (light[0] == glm::vec3(0) && light[1] == glm::vec3(0) && light[2] == glm::vec3(0)) return false;
+    const float radius = frame.near_field.light().options().radius;
+    const scene::Scene& scene = frame.state->scene();
+    // Does a sphere meet the near field around the way from the point to `way` beyond it, or without an end?
+    const auto meets = [&](const Sphere& sphere, const glm::vec3& way, bool endless) {
+        const glm::vec3 at = sphere.centre - point.origin();
+        const float square = glm::dot(way, way);
+        float along = square > 0 ? std::max(glm::dot(at, way) / square, 0.0f) : 0.0f;
+        if (!endless) along = std::min(along, 1.0f);
+        const glm::vec3 off = at - along * way;
+        const float reach = sphere.radius + radius;
+        return glm::dot(off, off) <= reach * reach;
+    };
+    for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
+        const scene::LightState& at = frame.state->light(l);
+        if (!at.visible || scene.lights[l].of_environment) continue;
+        const bool endless = scene.lights[l].type == scene::LightType::directional;
+        const glm::vec3 way = endless ? -at.direction : at.position - point.origin();
+        if (frame.dynamic_bounds.any([&](const Sphere& sphere) { return meets(sphere, way, endless); },
+                                     [](const Sphere&) { return true; }))
+            return true;
+    }
+    return false;
+}
+
+void NearOfPoints::add_static(const CacheFrame& frame, std::span<CachePoint* const> points, CacheCounters& counters)
+{
+    points_.clear();
+    for (CachePoint* point : points) {
+        point->near_light = false;
+        if (includes_near_field(frame, *point)) points_.push_back(point);
+    }
+    gather(frame, ray::Against::static_only, counters, answers_);
+    for (std::size_t k = 0; k < points_.size(); ++k)
+        for (int colour = 0; colour < 3; ++colour) {
+            const glm::vec3& light = answers_[k].light[colour];
+            points_[k]->static_light[colour] += light;
+            points_[k]->near_light = points_[k]->near_light || light != glm::vec3(0);
+        }
+}
+
+void NearOfPoints::correct(const CacheFrame& frame, std::span<CachePoint* const> points, CacheCounters& counters)
+{
+    points_.clear();
+    for (CachePoint* point : points)
+        if (point->near_light && dynamic_may_occlude_near(frame, *point)) points_.push_back(point);
+    if (points_.empty()) return;
+    gather(frame, ray::Against::static_only, counters, without_);
+    gather(frame, ray::Against::everything, counters, answers_);
+    for (std::size_t k = 0; k < points_.size(); ++k)
+        for (int colour = 0; colour < 3; ++colour)
+            points_[k]->light[colour] += answers_[k].light[colour] - without_[k].light[colour];
+}
+
+// Gathers the near fields of points_, some at a time.
+void NearOfPoints::gather(const CacheFrame& frame, ray::Against against, CacheCounters& counters,
+                          std::vector<NearAnswer>& answers)
+{
+    constexpr std::size_t k_rays = 2048;
+    const std::size_t most = std::max<std::size_t>(1, k_rays / static_cast<std::size_t>(frame.options.near_rays));
+    answers.resize(points_.size());
+    for (std::size_t next = 0; next < points_.size();) {
+        interruption_point();
+        const std::size_t count = std::min(most, points_.size() - next);
+        receivers_.clear();
+        for (std::size_t k = next; k < next + count; ++k)
+            receivers_.push_back({points_[k]->origin(), points_[k]->normal, points_[k]->horizon});
+        frame.near_field.light().gather(*frame.state, *frame.rays, receivers_.data(), count, against, scratch_,
+                                        answers.data() + next);
+        next += count;
+    }
+    counters.rays += scratch_.cast;
+    scratch_.cast = 0;
+}
+
+}   // namespace gnomon::irradiance_cache

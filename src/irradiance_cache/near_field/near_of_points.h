@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// The near field of lattice points that are too far apart for near-field points between them: it is a part of their own
+// light.
+
+#include <span>
+#include <vector>
+
+#include "irradiance_cache/cache_frame.h"
+#include "irradiance_cache/points/cache_point.h"
+
+namespace gnomon::irradiance_cache {
+
+/// Whether a point's light includes its near field.
+bool includes_near_field(const CacheFrame& frame, const CachePoint& point);
+
+/// Whether a dynamic object may come between a point and surfaces near it, or between those surfaces and a light.
+bool dynamic_may_occlude_near(const CacheFrame& frame, const CachePoint& point);
+
+/// Holds a thread's scratch memory.
+class NearOfPoints {
+ public:
+    /// Adds the near field of those points that include it to their static light.
+    void add_static(const CacheFrame& frame, std::span<CachePoint* const> points, CacheCounters& counters);
+    /// Corrects the present light of points whose near field dynamic objects may occlude. Cost: for these points, their
+    /// near field twice; for others a test against the bounds of dynamic objects.
+    void correct(const CacheFrame& frame, std::span<CachePoint* const> points, CacheCounters& counters);
+
+ private:
+    void gather(const CacheFrame& frame, ray::Against against, CacheCounters& counters,
+                std::vector<NearAnswer>& answers);
+
+    std::vector<CachePoint*> points_;
+    std::vector<NearReceiver> receivers_;
+    std::vector<NearAnswer> answers_, without_;
+    NearLight::Scratch scratch_;
+};
+
+}   // namespace gnomon::irradiance_cache
