@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Renders many frames to files: numbered images, or a video (docs/guide/films.md).
+// Renders many frames to files: numbered images, or a video (docs/guide/videos.md).
 //
 // The frames of a video are kept as PNG files in OUT.frames/ until all are complete. ffmpeg then encodes them in one
 // pass, single-threaded and bit-exact, and the PNG files are removed. The video therefore has the same bytes for any

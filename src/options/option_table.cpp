@@ -177,6 +177,10 @@ constexpr Option k_options[] = {
     {.name = "truth", .argument = "N", .kind = Kind::integer, .fallback = "16384", .range = {64, 1048576},
      .subcommands = bit(bench_lights), .group = k_quality,
      .help = "shadow rays a point for the truth that errors are measured against"},
+    {.name = "preset", .argument = "NAME", .kind = Kind::choice, .choices = "draft|good|best", .subcommands = bit(render),
+     .group = k_quality,
+     .help = "set several options at once, unless they are given: draft, for a quick look, and best take less or more time "
+             "than good, which is what is set without it; docs/guide/videos.md has time and error of each"},
     {.name = "samples", .argument = "N|auto", .kind = Kind::integer_or_auto, .fallback = "auto", .range = ranges::samples,
      .subcommands = bit(render), .group = k_quality,
      .help = "samples per pixel. auto: one, and up to 16 more where something ends within the pixel: edges of objects and "
@@ -346,10 +350,6 @@ constexpr Option k_options[] = {
     {.name = "heatmap", .argument = "OUT.png", .kind = Kind::text, .subcommands = bit(compare), .group = k_comparison,
      .help = "write the FLIP error map: black where images look the same, pale yellow where they differ most"},
 
-    {.name = "preset", .argument = "NAME", .kind = Kind::choice, .choices = "draft|good|best", .subcommands = bit(render),
-     .group = k_common,
-     .help = "set several options at once, unless they are given: draft, for a quick look, and best take less or more time "
-             "than good, which is what is set without it; docs/guide/films.md has time and error of each"},
     {.name = "json", .argument = "FILE", .kind = Kind::optional_file, .subcommands = k_every, .group = k_common,
      .help = "write one JSON document to standard output and all other text to standard error; --json=FILE writes it to a file"},
     {.name = "config", .argument = "FILE", .kind = Kind::text, .subcommands = k_every, .group = k_common,

@@ -9,10 +9,9 @@ namespace {
 struct PresetValue {
     std::string_view preset, option, value;
 };
-// docs/guide/films.md states time and error of each. "good" is what the table of options has.
+// docs/guide/videos.md states time and error of each. "good" is what the table of options has.
 constexpr PresetValue k_values[] = {
     {"draft", "samples", "1"},
-    {"draft", "bounces", "1"},
     {"draft", "max-depth", "4"},
     {"best", "samples", "64"},
     {"best", "filter", "blackman-harris"},

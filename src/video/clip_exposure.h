@@ -2,7 +2,7 @@
 #pragma once
 // The exposure of a whole clip.
 //
-// An exposure that follows each frame makes a film brighter and darker where bright parts enter and leave the image.
+// An exposure that follows each frame makes a video brighter and darker where bright parts enter and leave the image.
 // This one is computed once: from the pixels of small frames, spread evenly over the clip, as the exposure of a single
 // image is from its own. It depends on the scene and the options alone, so each chunk and each range of frames computes
 // the same.

@@ -12,12 +12,13 @@ namespace gnomon::video {
 namespace {
 using Words = std::vector<std::string>;
 
-// Constant rate factors at quality 0 and 100; between them they are linear. At 75, all three give about the same error:
-// visually almost lossless.
+// Constant rate factors at quality 0 and 100; between them they are linear, with an upper limit. All three then give
+// about the same error (docs/guide/videos.md); at 75 it is visually almost lossless.
 struct RateFactors {
     double worst, best;
 };
-constexpr RateFactors k_h264{40, 8}, k_h265{42, 10}, k_vp9{60, 12};
+constexpr RateFactors k_h264{40, 8}, k_h265{40, 8}, k_vp9{73, 13};
+constexpr double k_largest_factor = 63;   // of VP9
 
 // Profiles of ProRes, from the quality at which each begins: proxy, LT, standard, HQ; with alpha 4444 and 4444 XQ.
 constexpr int k_lt = 25, k_standard = 50, k_hq = 75, k_xq = 90;
@@ -33,7 +34,8 @@ void append(Words& words, std::initializer_list<std::string> more)
 
 std::string rate_factor(const RateFactors& factors, int quality)
 {
-    return std::to_string(std::lround(factors.worst + (factors.best - factors.worst) * quality / 100));
+    const double factor = factors.worst + (factors.best - factors.worst) * quality / 100;
+    return std::to_string(std::lround(std::min(factor, k_largest_factor)));
 }
 
 std::string pixel_format(const Delivery& delivery)

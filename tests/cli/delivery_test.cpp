@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a film is delivered as, from the command line: exposure, alpha, sound, chunks, images, refusals.
+// What a video is delivered as, from the command line: exposure, alpha, sound, chunks, images, refusals.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -52,7 +52,7 @@ double exposure_in(const Outcome& outcome)
     return outcome.json()["frames"][0]["exposure"].get<double>();
 }
 
-TEST_F(Delivered, ExposureOfAFilmDependsOnTheClipAlone)
+TEST_F(Delivered, ExposureOfAVideoDependsOnTheClipAlone)
 {
     const Outcome whole = render("a-{frame}.png", {"--frames", "1-3", "--json"});
     ASSERT_EQ(whole.code, 0) << whole.err;
@@ -97,14 +97,14 @@ TEST_F(Delivered, ChunksMakeTheSameBytesWithEveryCodec)
         const Outcome joined = run({"join", folder / kind.name, "--quiet"});
         ASSERT_EQ(joined.code, 0) << joined.err;
         EXPECT_EQ(bytes_of(folder / kind.name), bytes_of(folder / whole)) << kind.name;
-        // A finished film is recognised, and one of another encoding is not.
+        // A finished video is recognised, and one of another encoding is not.
         options.insert(options.end(), {"--resume", "--json"});
         const Outcome again = render(whole, options);
         for (const auto& frame : again.json()["frames"]) EXPECT_TRUE(frame.value("kept", false)) << kind.name;
     }
 }
 
-// Spheres over a checkerboard, from a film with alpha, and from the PNG of the same frame.
+// Spheres over a checkerboard, from a video with alpha, and from the PNG of the same frame.
 TEST_F(Delivered, AlphaCompositesAsThatOfTheImage)
 {
     scene = "builtin:spheres?objects=30&dynamic=10";
@@ -292,7 +292,7 @@ TEST(Presets, GivenOptionsWin)
     EXPECT_EQ(samples({"--preset", "good"}), good);
     const std::string draft = samples({"--preset", "draft"});
     EXPECT_NE(draft, good);
-    EXPECT_EQ(samples({"--samples", "1", "--bounces", "1", "--max-depth", "4"}), draft);
+    EXPECT_EQ(samples({"--samples", "1", "--max-depth", "4"}), draft);
     EXPECT_NE(samples({"--preset", "draft", "--samples", "4"}), draft);
     EXPECT_EQ(samples({"--preset", "best", "--samples", "4", "--filter", "box"}), samples({"--samples", "4"}));
     std::ofstream(folder / "options.json") << R"({"preset": "draft"})";
