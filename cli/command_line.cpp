@@ -9,6 +9,7 @@
 #include <algorithm>
 
 #include "gnomon/error.h"
+#include "options/presets.h"
 
 namespace gnomon::cli {
 
@@ -154,6 +155,7 @@ CommandLine parse_command_line(const std::vector<std::string>& arguments)
                                      line.subcommand->positionals, line.subcommand->positionals == 1 ? "" : "s",
                                      line.positionals.size(), line.subcommand->name, line.subcommand->arguments));
     if (line.values.given("config")) read_config(line.values.text("config"), *line.subcommand, line.values);
+    if (options::find_option(line.subcommand->subcommand, "preset")) options::apply_preset(line.values);
     return line;
 }
 

@@ -41,6 +41,14 @@ void refuse_options_of_other_renderer(const options::OptionValues& values)
     }
 }
 
+// Of the output, in lower case.
+std::string extension_of(const options::OptionValues& values)
+{
+    std::string extension = std::filesystem::path(values.text("out")).extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
+}
+
 RenderOptions render_options(const options::OptionValues& values)
 {
     refuse_options_of_other_renderer(values);
@@ -59,13 +67,21 @@ RenderOptions render_options(const options::OptionValues& values)
     for (const char* name : {"spp", "seed"})
         if (values.given(name) && !values.flag("reference"))
             throw UsageError(fmt::format("--{} needs --reference", name));
-    std::string extension = std::filesystem::path(values.text("out")).extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string extension = extension_of(values);
     options.layers = extension == ".exr";
     options.ids = values.flag("ids");
     options.motion = values.flag("motion");
     for (const char* name : {"ids", "motion"})
         if (values.flag(name) && !options.layers) throw UsageError(fmt::format("--{} needs .exr output", name));
+    for (const char* name : {"exr-type", "exr-compression"})
+        if (values.given(name) && !options.layers) throw UsageError(fmt::format("--{} needs .exr output", name));
+    const bool jpeg = extension == ".jpg" || extension == ".jpeg";
+    const bool image = jpeg || options.layers || extension == ".png";
+    for (const char* name : {"codec", "audio", "timecode"})
+        if (values.given(name) && image)
+            throw UsageError(fmt::format("--{} needs the output of a video: .mp4, .mov, .mkv, .webm or .gif", name));
+    if (values.given("quality") && image && !jpeg)
+        throw UsageError("--quality needs the output of a video or of a .jpg");
     return options;
 }
 
@@ -73,7 +89,7 @@ VideoJob video_job(const options::OptionValues& values, const Scene& scene)
 {
     VideoJob job;
     if (!values.given("out"))
-        throw UsageError("render needs -o OUT, the output file: .png, .exr, .mp4, or name-{frame:04}.png");
+        throw UsageError("render needs -o OUT, the output file: .png, .jpg, .exr, .mp4, or name-{frame:04}.png");
     job.out = values.text("out");
     if (values.given("frame") && values.given("frames")) throw UsageError("--frame and --frames exclude each other");
     if (values.given("frame")) job.frames = FrameRange{values.integer("frame"), values.integer("frame")};
@@ -87,6 +103,13 @@ VideoJob video_job(const options::OptionValues& values, const Scene& scene)
     job.resume = values.flag("resume");
     if (values.given("warm-up")) job.warm_up = values.integer("warm-up");
     job.contact_sheet = values.text("contact-sheet");
+    job.exposure_of_each_frame = values.text("exposure") == "auto-frame";
+    job.encoding.codec = values.choice<VideoCodec>("codec");
+    if (values.given("quality")) job.encoding.quality = job.images.quality = values.integer("quality");
+    job.encoding.audio = values.text("audio");
+    job.encoding.timecode = values.text("timecode");
+    job.images.exr_type = values.choice<ExrType>("exr-type");
+    job.images.exr_compression = values.choice<ExrCompression>("exr-compression");
     return job;
 }
 
@@ -141,13 +164,10 @@ Json frame_of(const FrameRecord& record, const RenderOptions& options)
         shadow["looked_up"] = *counters.shadow.looked_up;
         shadow["looked_up_wrong"] = *counters.shadow.looked_up_wrong;
     }
-    Json frame{{"frame", record.frame},
-               {"time", record.time},
-               {"file", record.file.string()},
-               {"ms", record.milliseconds},
-               {"stages", stages_json(record.times)},
-               {"shadow", std::move(shadow)},
-               {"indirect", indirect_of(record, options)},
+    Json frame{{"frame", record.frame},        {"time", record.time},
+               {"file", record.file.string()}, {"ms", record.milliseconds},
+               {"exposure", record.exposure},  {"stages", stages_json(record.times)},
+               {"shadow", std::move(shadow)},  {"indirect", indirect_of(record, options)},
                {"draws", counters.draws}};
     if (options.samples == k_adaptive_samples)
         frame["samples"] = {{"pixels", counters.samples.pixels},

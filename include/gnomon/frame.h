@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "gnomon/frame_times.h"
+#include "gnomon/image_options.h"
+#include "gnomon/math.h"
 #include "gnomon/output.h"
 #include "gnomon/types.h"
 
@@ -85,6 +87,13 @@ struct Frame {
     /// No light is missing because of FrameInput::indirect_ray_limit; otherwise the next frame of the same input has
     /// more of it.
     bool complete = true;
+    double fps = 0;   // of the scene's clip
+    /// From the world to the camera's space, which looks along -Z with +Y up.
+    Transform world_to_camera{};
+    /// From the world to the image. After the division by w, x goes from 0 at the left edge to 1 at the right, y from 0
+    /// at the upper edge to 1 at the lower. Of the rendered view, as view_size is.
+    Transform world_to_image{};
+    std::string instruction_set{};     // that results depend on: "auto" (none), or "native-NAME"
     Size view_size{};                  // of the rendered view, which overlays surround with titles
     int view_left = 0, view_top = 0;   // and its place in the image
 
@@ -95,12 +104,15 @@ struct Frame {
     std::vector<std::uint8_t> to_srgb8() const;
     /// The same as width * height * 4 bytes, with alpha that is not associated; 255 without a layer of alpha.
     std::vector<std::uint8_t> to_srgb8_alpha() const;
-    /// Writes .png (tone-mapped; with alpha if the background is transparent) or .exr (all layers, linear, without
-    /// exposure). The file is replaced atomically.
-    /// @throws UsageError    another extension; more channels than fit an .exr: 16,384, or fewer if the image is wider
-    ///         than 2,047 pixels
+    /// The same as to_srgb8() and to_srgb8_alpha(), with 16 bits a channel.
+    std::vector<std::uint16_t> to_srgb16() const;
+    std::vector<std::uint16_t> to_srgb16_alpha() const;   // see above
+    /// Writes .png (tone-mapped; with alpha if the background is transparent), .jpg (tone-mapped) or .exr (all layers,
+    /// linear, without exposure; with the frame's number, time and camera). The file is replaced atomically.
+    /// @throws UsageError    another extension; a .jpg with a transparent background; more channels than fit an .exr:
+    ///         16,384, or fewer if the image is wider than 2,047 pixels; an option is out of range
     /// @throws MissingError  the file cannot be written
-    void write(const std::filesystem::path& file) const;
+    void write(const std::filesystem::path& file, const ImageOptions& options = {}) const;
 };
 
 }   // namespace gnomon

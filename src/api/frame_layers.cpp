@@ -8,6 +8,7 @@
 
 #include "api/scene_access.h"
 #include "base/check.h"
+#include "base/instruction_set.h"
 #include "frame/state_overlay.h"
 #include "gnomon/error.h"
 #include "gnomon/ranges.h"
@@ -148,6 +149,35 @@ void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const Ren
     std::vector<std::string> lights;
     for (std::size_t l = 0; l < scene.lights.size(); ++l) lights.push_back(fmt::format("L{}", l));
     if (!lights.empty()) add("shadow", std::move(lights), buffers.shadow);
+}
+
+void describe(const scene::View& view, const RenderOptions& options, Frame& result)
+{
+    const glm::dmat4 to_camera = glm::inverse(scene::matrix_of(view));
+    // The offset from the eye gives the coordinates; a perspective divides them by the distance along the axis.
+    const glm::dvec3 right = glm::dvec3(view.right) / glm::dot(glm::dvec3(view.right), glm::dvec3(view.right)),
+                     up = glm::dvec3(view.up) / glm::dot(glm::dvec3(view.up), glm::dvec3(view.up)), ahead(view.forward),
+                     eye(view.eye);
+    const glm::dvec2 shift(view.shift);
+    const double near = view.near > 0 ? static_cast<double>(view.near) : 1;
+    const glm::dvec3 per_distance = view.orthographic ? glm::dvec3(0) : ahead;
+    const double without = view.orthographic ? 1 : 0;
+    const glm::dvec3 rows[4] = {0.5 * (right + (1 - shift.x) * per_distance), 0.5 * ((1 + shift.y) * per_distance - up),
+                                ahead, per_distance};
+    const double constants[4] = {0.5 * (1 - shift.x) * without, 0.5 * (1 + shift.y) * without, -near, without};
+    for (std::size_t row = 0; row < 4; ++row) {
+        for (int column = 0; column < 3; ++column)
+            result.world_to_image.m[4 * static_cast<std::size_t>(column) + row] = rows[row][column];
+        result.world_to_image.m[12 + row] = constants[row] - glm::dot(rows[row], eye);
+    }
+    for (int i = 0; i < 16; ++i) result.world_to_camera.m[static_cast<std::size_t>(i)] = to_camera[i / 4][i % 4];
+    result.instruction_set = instruction_set_of(options);
+}
+
+std::string instruction_set_of(const RenderOptions& options)
+{
+    return options.arithmetic == Arithmetic::portable ? std::string("auto")
+                                                      : fmt::format("native-{}", instruction_set_name());
 }
 
 void check_overlay(const scene::Scene& scene, const RenderOptions& options, Size size)

@@ -33,6 +33,13 @@ std::vector<std::string> overlay_titles(const scene::Scene& scene, const std::ve
 frame::OverlayKind overlay_kind(const scene::Scene& scene, const RenderOptions& options,
                                 const std::vector<int>& lights);
 
+/// Notes where a frame is seen from, and what its results depend on.
+void describe(const scene::View& view, const RenderOptions& options, Frame& result);
+
+/// The instruction set that results depend on: "auto", since portable arithmetic gives the same bytes under every one,
+/// or "native-NAME".
+std::string instruction_set_of(const RenderOptions& options);
+
 /// @throws UsageError  the overlay cannot be shown
 void check_overlay(const scene::Scene& scene, const RenderOptions& options, Size size);
 

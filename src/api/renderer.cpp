@@ -391,6 +391,8 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
     result.counters.update = {engine.state()->changes().touched_nodes, engine.touched_instances(), began_anew};
     result.complete = engine.complete();
     result.view_size = view.size;
+    result.fps = scene.fps();
+    api::describe(view, options, result);
 
     watch.restart();
     if (shown == frame::Shown::shadow_states || shown == frame::Shown::clusters) {

@@ -170,4 +170,15 @@ void encode_srgb8(std::span<const float> rgb, double exposure, ToneMap curve, st
     }
 }
 
+void encode_srgb16(std::span<const float> rgb, double exposure, ToneMap curve, std::span<std::uint16_t> out)
+{
+    GNOMON_CHECK_EQ(rgb.size(), out.size());
+    const auto factor = static_cast<float>(std::exp2(exposure));
+    for (std::size_t i = 0; i + 2 < rgb.size(); i += 3) {
+        const glm::vec3 shown = tone_map(curve, factor * glm::vec3(rgb[i], rgb[i + 1], rgb[i + 2]));
+        for (int c = 0; c < 3; ++c)
+            out[i + c] = static_cast<std::uint16_t>(std::lround(65535 * srgb_from_linear(shown[c])));
+    }
+}
+
 }   // namespace gnomon::image

@@ -32,5 +32,7 @@ double auto_exposure(std::span<const float> rgb);
 /// @param rgb  linear, three values per pixel
 /// @param out  one byte per value
 void encode_srgb8(std::span<const float> rgb, double exposure, ToneMap curve, std::span<std::uint8_t> out);
+/// The same with 16 bits.
+void encode_srgb16(std::span<const float> rgb, double exposure, ToneMap curve, std::span<std::uint16_t> out);
 
 }   // namespace gnomon::image

@@ -12,6 +12,7 @@
 
 #include "gnomon/error.h"
 #include "gnomon/renderer.h"
+#include "gnomon/video.h"
 
 namespace gnomon::options {
 
@@ -86,6 +87,21 @@ inline constexpr EnumName<IndirectOn> k_enum_names<IndirectOn>[] = {
     {"auto", IndirectOn::automatic},
     {"cpu", IndirectOn::cpu},
     {"vulkan", IndirectOn::vulkan},
+};
+template <>
+inline constexpr EnumName<VideoCodec> k_enum_names<VideoCodec>[] = {
+    {"auto", VideoCodec::automatic}, {"h264", VideoCodec::h264}, {"h265", VideoCodec::h265},
+    {"prores", VideoCodec::prores},  {"vp9", VideoCodec::vp9},   {"ffv1", VideoCodec::ffv1},
+};
+template <>
+inline constexpr EnumName<ExrType> k_enum_names<ExrType>[] = {
+    {"half", ExrType::half},
+    {"float", ExrType::single},
+};
+template <>
+inline constexpr EnumName<ExrCompression> k_enum_names<ExrCompression>[] = {
+    {"none", ExrCompression::none}, {"rle", ExrCompression::rle}, {"zips", ExrCompression::zips},
+    {"zip", ExrCompression::zip},   {"piz", ExrCompression::piz}, {"pxr24", ExrCompression::pxr24},
 };
 
 namespace detail {

@@ -49,7 +49,26 @@ constexpr double k_many = 1e9;
 // clang-format off
 constexpr Option k_options[] = {
     {.name = "out", .letter = 'o', .argument = "OUT", .kind = Kind::text, .subcommands = bit(render), .group = k_output,
-     .help = "output file: .png, .exr (linear light, all layers), .mp4, or a numbered set such as name-{frame:04}.png"},
+     .help = "output file: .png, .jpg, .exr (linear light, all layers), a numbered set such as name-{frame:04}.png, or a "
+             "video: .mp4, .mov, .mkv, .webm, .gif"},
+    {.name = "codec", .argument = "NAME", .kind = Kind::choice, .fallback = "auto", .choices = k_choices<VideoCodec>,
+     .subcommands = bit(render), .group = k_output,
+     .help = "codec of a video. auto: h264; vp9 in a .webm; with --background transparent, prores in a .mov and ffv1 in a "
+             ".mkv. h264 has 8 bits; h265, prores, vp9 and ffv1 have 10 (vp9 with alpha: 8)"},
+    {.name = "quality", .argument = "Q", .kind = Kind::integer, .range = {0, 100}, .subcommands = bit(render),
+     .group = k_output,
+     .help = "quality of a video or a .jpg, up to 100 (default: 75 of a video, 90 of a .jpg); ffv1 and .gif have none"},
+    {.name = "audio", .argument = "FILE", .kind = Kind::text, .subcommands = bit(render), .group = k_output,
+     .help = "sound of a video: begins with its first frame, and is cut where the video ends"},
+    {.name = "timecode", .argument = "HH:MM:SS:FF", .kind = Kind::text, .subcommands = bit(render), .group = k_output,
+     .help = "timecode of the clip's frame 1 in a .mov, .mp4 or .mkv; HH:MM:SS;FF drops numbers (default: 00:00:00:00 in a "
+             ".mov and a .mkv, none in a .mp4)"},
+    {.name = "exr-type", .argument = "NAME", .kind = Kind::choice, .fallback = "float", .choices = k_choices<ExrType>,
+     .subcommands = bit(render), .group = k_output,
+     .help = "values of an .exr. half: 16 bits, but depth and motion 32; float: 32 bits"},
+    {.name = "exr-compression", .argument = "NAME", .kind = Kind::choice, .fallback = "zip",
+     .choices = k_choices<ExrCompression>, .subcommands = bit(render), .group = k_output,
+     .help = "compression of an .exr; pxr24 rounds values of 32 bits to 24, the others lose nothing"},
     {.name = "ids", .subcommands = bit(render), .group = k_output,
      .help = "also write ids of objects and materials to the .exr, from 1; 0: nothing"},
     {.name = "motion", .subcommands = bit(render), .group = k_output,
@@ -158,6 +177,10 @@ constexpr Option k_options[] = {
     {.name = "truth", .argument = "N", .kind = Kind::integer, .fallback = "16384", .range = {64, 1048576},
      .subcommands = bit(bench_lights), .group = k_quality,
      .help = "shadow rays a point for the truth that errors are measured against"},
+    {.name = "preset", .argument = "NAME", .kind = Kind::choice, .choices = "draft|good|best", .subcommands = bit(render),
+     .group = k_quality,
+     .help = "set several options at once, unless they are given: draft, for a quick look, and best take less or more time "
+             "than good, which is what is set without it; docs/guide/videos.md has time and error of each"},
     {.name = "samples", .argument = "N|auto", .kind = Kind::integer_or_auto, .fallback = "auto", .range = ranges::samples,
      .subcommands = bit(render), .group = k_quality,
      .help = "samples per pixel. auto: one, and up to 16 more where something ends within the pixel: edges of objects and "
@@ -185,14 +208,16 @@ constexpr Option k_options[] = {
      .subcommands = k_images | bit(bench_trace), .group = k_quality,
      .help = "what traces rays on the CPU; auto: the same bytes on every processor; native: Embree's code for this one"},
 
-    {.name = "exposure", .argument = "EV|auto", .kind = Kind::number_or_auto, .fallback = "auto", .range = ranges::exposure,
-     .subcommands = k_images, .group = k_look, .help = "exposure in stops; auto: computed from each frame separately"},
+    {.name = "exposure", .argument = "EV|auto|auto-frame", .kind = Kind::number_or_auto, .fallback = "auto",
+     .choices = "auto-frame", .range = ranges::exposure, .subcommands = k_images, .group = k_look,
+     .help = "exposure in stops. auto: of a video and of a numbered set, computed once from frames spread over the whole "
+             "clip; of a single image and in a window, from the frame; auto-frame: from each frame separately"},
     {.name = "tonemap", .argument = "NAME", .kind = Kind::choice, .fallback = "neutral", .choices = k_choices<ToneMap>,
      .subcommands = k_images, .group = k_look, .help = "tone mapping operator"},
     {.name = "background", .argument = "COLOR|transparent|environment", .kind = Kind::text, .fallback = "environment",
      .subcommands = k_images, .group = k_look,
      .help = "what the image shows behind the scene: a colour such as white, #ffc or #ffcc00; transparent: nothing, with "
-             "alpha in .png and .exr; environment: what lights the scene"},
+             "alpha in .png, .exr, .mov, .webm, .mkv and .gif; environment: what lights the scene"},
     {.name = "overlay", .argument = "NAME", .kind = Kind::choice, .choices = k_choices<Overlay>,
      .subcommands = k_images, .group = k_look,
      .help = "colour the image by internal state. shadow-states: cached shadows, in a panel of --size for each light "

@@ -42,7 +42,7 @@ enum class Kind : std::uint8_t {
     integer,           // in `range`
     number,            // in `range`
     rate,              // a number in `range`, or a fraction A/B
-    number_or_auto,    // a number, or the word auto
+    number_or_auto,    // a number, the word auto, or one of `choices`
     integer_or_auto,   // in `range`, or the word auto
     integer_or_all,    // in `range`, or the word all, which is its end
     text,

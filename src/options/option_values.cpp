@@ -74,14 +74,15 @@ std::string expectation(const Option& option, const std::string& value)
                                option.range.high);
         }
         case Kind::number_or_auto:
-            if (value == "auto") return {};
+            if (value == "auto" || among(value, option.choices)) return {};
             [[fallthrough]];
         case Kind::number: {
             const auto v = parse_number(value);
             if (v && within(*v)) return {};
-            return fmt::format("expected {}a number from {} to {}",
-                               option.kind == Kind::number_or_auto ? "auto or " : "", option.range.low,
-                               option.range.high);
+            const std::string words = !option.choices.empty() ? fmt::format("auto, {} or ", listed(option.choices))
+                                      : option.kind == Kind::number_or_auto ? "auto or "
+                                                                            : "";
+            return fmt::format("expected {}a number from {} to {}", words, option.range.low, option.range.high);
         }
         case Kind::choice:
             return among(value, option.choices) ? std::string() : "expected " + listed(option.choices);
@@ -192,6 +193,14 @@ void OptionValues::set(const Option& option, std::vector<std::string> values)
     values_[std::string(option.name)] = std::move(values);
 }
 
+void OptionValues::set_default(std::string_view name, std::string value)
+{
+    const Option* option = find_option(subcommand_, name);
+    if (!option) throw InternalError(fmt::format("the subcommand has no option '{}'", name));
+    check_value(*option, value);
+    defaults_[std::string(name)] = std::move(value);
+}
+
 void OptionValues::unset(const Option& option)
 {
     values_.erase(std::string(option.name));
@@ -207,7 +216,8 @@ bool OptionValues::given(std::string_view name) const
 std::string OptionValues::text(std::string_view name) const
 {
     if (given(name)) return values_.find(name)->second.back();
-    return std::string(find_option(subcommand_, name)->fallback);
+    const auto other = defaults_.find(name);
+    return other != defaults_.end() ? other->second : std::string(find_option(subcommand_, name)->fallback);
 }
 
 std::vector<std::string> OptionValues::all(std::string_view name) const

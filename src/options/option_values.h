@@ -39,6 +39,11 @@ class OptionValues {
     /// @throws UsageError
     void set(const Option& option, std::vector<std::string> values);
 
+    /// Replaces the default of the table; the option does not count as given.
+    /// @throws UsageError     the value is invalid
+    /// @throws InternalError  the subcommand has no such option
+    void set_default(std::string_view name, std::string value);
+
     /// Resets the option to its default.
     void unset(const Option& option);
 
@@ -63,6 +68,7 @@ class OptionValues {
 
     Subcommand subcommand_;
     std::map<std::string, std::vector<std::string>, std::less<>> values_;
+    std::map<std::string, std::string, std::less<>> defaults_;   // in place of the table's
 };
 
 }   // namespace gnomon::options

@@ -84,7 +84,7 @@ RenderOptions read_render_options(const OptionValues& values)
     }
     options.samples = values.text("samples") == "auto" ? k_adaptive_samples : values.integer("samples");
     options.filter = values.choice<PixelFilter>("filter");
-    if (values.text("exposure") != "auto") options.exposure = values.number("exposure");
+    if (!values.text("exposure").starts_with("auto")) options.exposure = values.number("exposure");
     options.tonemap = values.choice<ToneMap>("tonemap");
     read_background(values.text("background"), options);
     options.memory = values.integer("memory");

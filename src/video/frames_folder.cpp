@@ -65,6 +65,13 @@ std::optional<VideoIdentity> read_manifest_file(const fs::path& file)
     return read_manifest(manifest);
 }
 
+void write_manifest(const fs::path& folder, const VideoIdentity& identity)
+{
+    io::AtomicFile out(folder / k_manifest);
+    out.write(manifest_of(identity).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    out.commit();
+}
+
 // How chunks of another video differ, which are at work in the same folder.
 std::string difference_at_work(const VideoIdentity& theirs, const VideoIdentity& ours)
 {
@@ -73,8 +80,9 @@ std::string difference_at_work(const VideoIdentity& theirs, const VideoIdentity&
     if (difference != Difference::none)
         return fmt::format("chunks of another video are at work there, whose frames are {}",
                            describe(difference, stamp, ours));
-    return fmt::format("chunks of another video are at work there, of frames {}-{} at {:g} per second",
-                       theirs.frames.first, theirs.frames.last, theirs.fps);
+    return fmt::format("chunks of another video are at work there, of frames {}-{} at {:g} per second{}",
+                       theirs.frames.first, theirs.frames.last, theirs.fps,
+                       theirs.delivery == ours.delivery ? "" : ", encoded otherwise");
 }
 }   // namespace
 
@@ -143,7 +151,10 @@ void FramesFolder::open(const VideoIdentity& identity, bool keep, bool shared)
     }
 
     const std::optional<VideoIdentity> found = read_manifest_file(folder_ / k_manifest);
-    const bool same = found && manifest_of(*found) == manifest_of(identity);
+    VideoIdentity ours = identity;
+    ours.exposure = found ? found->exposure : std::nullopt;
+    const bool same = found && manifest_of(*found) == manifest_of(ours);
+    if (same && (keep || shared)) exposure_ = found->exposure;
     // Other runs may not have written frames yet; theirs will match their manifest.
     if (!alone_ && found && !same)
         throw UsageError(fmt::format("{}: {}", folder_.string(), difference_at_work(*found, identity)));
@@ -160,14 +171,18 @@ void FramesFolder::open(const VideoIdentity& identity, bool keep, bool shared)
         return;
     }
     try {
-        io::AtomicFile out(folder_ / k_manifest);
-        out.write(manifest_of(identity).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
-        out.commit();
+        write_manifest(folder_, identity);
     } catch (...) {
         if (made_ && !shared) fs::remove(folder_, error);   // a full disk; the folder stays if it is not empty
         throw;
     }
     if (shared) let_others_in();
+}
+
+void FramesFolder::note_exposure(VideoIdentity identity, double exposure)
+{
+    identity.exposure = exposure_ = exposure;
+    write_manifest(folder_, identity);
 }
 
 std::optional<VideoIdentity> FramesFolder::open_existing()

@@ -37,6 +37,12 @@ class FramesFolder {
     /// @throws MissingError  another run uses it
     std::optional<VideoIdentity> open_existing();
 
+    /// The exposure of the clip, if an earlier run, or another one at work, has found it for this video.
+    std::optional<double> exposure() const { return exposure_; }
+    /// Notes the exposure in the manifest of the open folder.
+    /// @throws MissingError  it cannot be written
+    void note_exposure(VideoIdentity identity, double exposure);
+
     std::filesystem::path file(int frame) const;
     /// Why a frame has to be rendered: it is not there or not complete (nothing), else how it differs.
     struct Found {
@@ -60,6 +66,7 @@ class FramesFolder {
     int lock_ = -1;       // descriptor of the folder
     bool alone_ = true;   // the lock is exclusive
     bool made_ = false;   // this object created the folder
+    std::optional<double> exposure_;
 };
 
 }   // namespace gnomon::video

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "gnomon/types.h"
+#include "video/delivery.h"
 
 namespace gnomon {
 struct RenderOptions;
@@ -33,6 +34,8 @@ struct VideoIdentity {
     std::string instruction_set{};         // see base/instruction_set.h
     FrameRange frames{1, 1};               // of the whole video
     double fps = 24;
+    Delivery delivery{};                // how it is encoded
+    std::optional<double> exposure{};   // of the clip, once it is known; the other members decide it
 };
 
 /// Hash of everything in the scene that affects images, without names. Cost: its vertices and texels, and at most a
@@ -45,7 +48,7 @@ std::uint64_t fingerprint_of(std::uint64_t of_scene, const Scene& scene, const R
 
 /// The text that a frame carries: "VERSION INSTRUCTION_SET SCENE FINGERPRINT".
 std::string stamp_of(const VideoIdentity& identity);
-/// The text that a finished video carries: its stamp, its range and its rate.
+/// The text that a finished video carries: its stamp, its range, its rate, and how it is encoded.
 std::string comment_of(const VideoIdentity& identity);
 /// The stamp in such a text; empty if the text is another one.
 std::string stamp_in(const std::string& comment);

@@ -9,9 +9,9 @@
 #include "io/file/atomic_file.h"
 #include "io/file/output_name.h"
 #include "video/encoder.h"
+#include "video/finished_video.h"
 #include "video/frame_list.h"
 #include "video/frames_folder.h"
-#include "video/mp4.h"
 
 namespace gnomon {
 
@@ -52,14 +52,16 @@ void check_frames(const video::FramesFolder& folder, const video::VideoIdentity&
 VideoResult join_video(const fs::path& out, const Progress& progress)
 {
     if (io::output_kind(out) != io::OutputKind::video)
-        throw UsageError(fmt::format("{}: only the chunks of a video are joined; expected an .mp4", out.string()));
+        throw UsageError(fmt::format(
+            "{}: only the chunks of a video are joined; expected .mp4, .mov, .mkv, .webm or .gif", out.string()));
     video::FramesFolder folder(out);
     const std::optional<video::VideoIdentity> identity = folder.open_existing();
     VideoResult result;
     result.files.push_back(out);
     // A run that was killed after it had encoded the video has left some of its frames.
-    const std::string comment = video::comment_of_mp4(out);
-    const bool complete = !video::stamp_in(comment).empty() && video::is_whole_mp4(out);
+    const video::Container container = video::container_of(out);
+    const std::string comment = video::comment_of_video(out, container);
+    const bool complete = !video::stamp_in(comment).empty() && video::is_whole_video(out, container);
     if (complete && (!identity || comment == video::comment_of(*identity))) {
         if (identity) folder.remove();
         result.complete_before = true;
@@ -69,7 +71,13 @@ VideoResult join_video(const fs::path& out, const Progress& progress)
         throw UsageError(fmt::format("{}: no chunk of this video was rendered; render one with --chunk I/N",
                                      folder.path().string()));
     check_frames(folder, *identity, progress);
-    if (!video::have_ffmpeg(progress)) throw MissingError("ffmpeg with libx264 is needed for .mp4 and was not found");
+    const video::Delivery& delivery = identity->delivery;
+    if (delivery.container != container)
+        throw UsageError(
+            fmt::format("{}: its chunks are those of a {}", out.string(), video::extension_of(delivery.container)));
+    if (!delivery.audio.empty() && video::hash_of_file(delivery.audio) != delivery.audio_hash)
+        throw InputError(delivery.audio.string(), "", "its sound is not the one with which the chunks were begun");
+    video::check_encoder(delivery, progress);
 
     // Encode the video and remove the frames.
     result.size = identity->size;
@@ -82,7 +90,7 @@ VideoResult join_video(const fs::path& out, const Progress& progress)
         record.kept = true;
         result.frames.push_back(std::move(record));
     }
-    video::encode_video(frames, identity->fps, out, progress, video::comment_of(*identity));
+    video::encode_video(frames, identity->fps, out, progress, video::comment_of(*identity), delivery);
     folder.remove();
     return result;
 }

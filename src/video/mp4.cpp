@@ -53,6 +53,37 @@ std::optional<Box> find_box(std::istream& in, std::uintmax_t begin, std::uintmax
         if (box->type == type) return box;
     return std::nullopt;
 }
+
+constexpr std::uint32_t k_comment = type_of(
+    "\xa9"
+    "cmt");
+
+// A box to descend into, and the bytes of its content to skip.
+struct Step {
+    std::uint32_t type;
+    std::uintmax_t skipped;
+};
+
+// Descends through boxes, each within the one before. Returns the rest of the last one.
+std::optional<Box> descend(std::istream& in, std::uintmax_t size, std::initializer_list<Step> steps)
+{
+    Box found{0, 0, size};
+    for (const Step& step : steps) {
+        const std::optional<Box> box = find_box(in, found.content, found.end, step.type);
+        if (!box || box->end - box->content < step.skipped) return std::nullopt;
+        found = {box->type, box->content + step.skipped, box->end};
+    }
+    return found;
+}
+
+std::string text_of(std::istream& in, const Box& box)
+{
+    if (box.end - box.content > k_longest_comment) return {};
+    std::string text(static_cast<std::size_t>(box.end - box.content), '\0');
+    in.seekg(static_cast<std::streamoff>(box.content));
+    in.read(text.data(), static_cast<std::streamsize>(text.size()));
+    return in ? text : std::string();
+}
 }   // namespace
 
 bool is_whole_mp4(const fs::path& file)
@@ -80,27 +111,18 @@ std::string comment_of_mp4(const fs::path& file)
     std::ifstream in(file, std::ios::binary);
     if (error || !in) return {};
 
-    // Descend to the value. A "meta" box has four bytes before its first box, and a value has eight before its text.
-    struct Step {
-        std::uint32_t type;
-        std::uintmax_t skipped;
-    };
-    std::uintmax_t begin = 0, end = size;
-    for (const Step step :
-         {Step{type_of("moov"), 0}, Step{type_of("udta"), 0}, Step{type_of("meta"), 4}, Step{type_of("ilst"), 0},
-          Step{type_of("\xa9"
-                       "cmt"),
-               0},
-          Step{type_of("data"), 8}}) {
-        const std::optional<Box> box = find_box(in, begin, end, step.type);
-        if (!box || box->end - box->content < step.skipped) return {};
-        begin = box->content + step.skipped, end = box->end;
-    }
-    if (end - begin > k_longest_comment) return {};
-    std::string text(static_cast<std::size_t>(end - begin), '\0');
-    in.seekg(static_cast<std::streamoff>(begin));
-    in.read(text.data(), static_cast<std::streamsize>(text.size()));
-    return in ? text : std::string();
+    // Descend to the value. In an MP4, a "meta" box has four bytes before its first box, and a value has eight before
+    // its text. In a QuickTime file, the text follows its length and its language.
+    const auto comment = descend(in, size,
+                                 {{type_of("moov"), 0},
+                                  {type_of("udta"), 0},
+                                  {type_of("meta"), 4},
+                                  {type_of("ilst"), 0},
+                                  {k_comment, 0},
+                                  {type_of("data"), 8}});
+    if (comment) return text_of(in, *comment);
+    const auto quicktime = descend(in, size, {{type_of("moov"), 0}, {type_of("udta"), 0}, {k_comment, 4}});
+    return quicktime ? text_of(in, *quicktime) : std::string();
 }
 
 }   // namespace gnomon::video

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Reads the boxes of an MP4 file [ISO/IEC 14496-12]: whether the file is complete, and its comment.
+// Reads the boxes of an MP4 or QuickTime file [ISO/IEC 14496-12]: whether the file is complete, and its comment.
 //
 // The file may be anything; what is no MP4 is not whole and has no comment.
 

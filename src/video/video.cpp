@@ -6,17 +6,20 @@
 #include <algorithm>
 #include <map>
 
+#include "api/frame_layers.h"
 #include "api/scene_access.h"
-#include "base/instruction_set.h"
+#include "base/hash.h"
 #include "gnomon/version.h"
 #include "io/file/output_name.h"
 #include "io/image/exr.h"
 #include "io/image/image_file.h"
 #include "scene/scene.h"
+#include "video/clip_exposure.h"
 #include "video/encoder.h"
+#include "video/finished_video.h"
+#include "video/frame_file.h"
 #include "video/frame_list.h"
 #include "video/frames_folder.h"
-#include "video/mp4.h"
 
 namespace gnomon {
 
@@ -43,25 +46,35 @@ bool is_part(const VideoJob& job)
     return job.chunks > 1 || job.part;
 }
 
-void check_job(const Scene& scene, const VideoJob& job, FrameRange frames, io::OutputKind kind)
+void check_job(const Scene& scene, const RenderOptions& options, const VideoJob& job, FrameRange frames,
+               io::OutputKind kind)
 {
     const std::string out = job.out.string();
     if (frames.count() == 0 || frames.first < 1 || frames.last > scene.frame_count())
         throw UsageError(
             fmt::format("frames {}-{}: the clip has frames 1 to {}", frames.first, frames.last, scene.frame_count()));
     if (kind == io::OutputKind::image && frames.count() > 1)
-        throw UsageError(
-            fmt::format("{}: {} frames need a name such as name-{{frame:04}}.png, or an .mp4", out, frames.count()));
+        throw UsageError(fmt::format("{}: {} frames need a name such as name-{{frame:04}}.png, or a video such as .mp4",
+                                     out, frames.count()));
     if (kind == io::OutputKind::video && !(job.fps >= k_slowest_video && job.fps <= k_fastest_video))
         throw UsageError(fmt::format("{}: a video of {:g} frames a second: expected {} to {}; --fps sets another rate",
                                      out, job.fps, k_slowest_video, k_fastest_video));
     if (job.part && (job.part->count() == 0 || job.part->first < frames.first || job.part->last > frames.last))
         throw UsageError(fmt::format("chunk {}-{}: the range has frames {} to {}", job.part->first, job.part->last,
                                      frames.first, frames.last));
+    if (io::is_jpeg_name(job.out) && options.background == BackgroundKind::transparent)
+        throw UsageError(
+            fmt::format("{}: a .jpg has no alpha, and the background is transparent: write .png or .exr, or "
+                        "choose a background of one colour",
+                        out));
     if (job.warm_up.value_or(0) < 0) throw UsageError("the number of warm-up frames must not be negative");
     if (job.contact_sheet.empty()) return;
-    if (io::is_exr_name(job.out)) throw UsageError("a contact sheet needs .png or .mp4 output, not .exr");
-    if (io::output_kind(job.contact_sheet) != io::OutputKind::image || io::is_exr_name(job.contact_sheet))
+    if (io::is_exr_name(job.out))
+        throw UsageError("a contact sheet needs the output of .png images or of a video, not .exr");
+    if (io::is_jpeg_name(job.out))
+        throw UsageError("a contact sheet needs the output of .png images or of a video, not .jpg");
+    if (io::output_kind(job.contact_sheet) != io::OutputKind::image || io::is_exr_name(job.contact_sheet) ||
+        io::is_jpeg_name(job.contact_sheet))
         throw UsageError(fmt::format("{}: a contact sheet must be a .png file", job.contact_sheet.string()));
     // The sheet is written last and must not overwrite an image.
     const auto plain = [](const fs::path& file) { return fs::absolute(file).lexically_normal(); };
@@ -74,11 +87,12 @@ void check_job(const Scene& scene, const VideoJob& job, FrameRange frames, io::O
 }
 
 // A shadow channel per light may be too many. Check before rendering that the file can be read again.
-void check_layers(const Scene& scene, const RenderOptions& options, Size size, const fs::path& out)
+void check_layers(const Scene& scene, const RenderOptions& options, Size size, const VideoJob& job)
 {
+    const fs::path& out = job.out;
     const bool layers = options.layers && (options.overlay == Overlay::none || options.overlay == Overlay::redrawn);
     const std::size_t lights = api::scene_of(scene)->lights.size();
-    const std::size_t room = io::room_in_exr(size);
+    const std::size_t room = io::room_in_exr(size, job.images.exr_compression);
     const std::size_t beside = k_channels_beside_shadows + (options.ids ? 2 : 0) + (options.motion ? 2 : 0);
     if (layers && io::is_exr_name(out) && lights + beside > room)
         throw UsageError(fmt::format(
@@ -110,7 +124,9 @@ void check_room(const fs::path& file, Size size, int frames)
 
 bool is_whole(const fs::path& frame, Size size)
 {
-    return io::is_exr_name(frame) ? io::is_whole_exr(frame, size) : io::is_whole_png(frame, size.width, size.height);
+    if (io::is_exr_name(frame)) return io::is_whole_exr(frame, size);
+    if (io::is_jpeg_name(frame)) return io::is_whole_jpeg(frame, size.width, size.height);
+    return io::is_whole_png(frame, size.width, size.height);
 }
 
 // Chooses frames evenly spaced over the range, including the first and the last.
@@ -143,6 +159,12 @@ void write_sheet(const std::vector<FrameRecord>& frames, const fs::path& out)
     write_contact_sheet(pngs, labels, std::min<int>(k_sheet_columns, static_cast<int>(pngs.size())), out);
 }
 
+// Whether one exposure is computed for all frames.
+bool exposes_clip(const VideoJob& job, const RenderOptions& options)
+{
+    return !options.exposure && !job.exposure_of_each_frame && io::output_kind(job.out) != OutputKind::image;
+}
+
 video::VideoIdentity identity_of(const Scene& scene, const RenderOptions& options, const VideoJob& job,
                                  FrameRange whole)
 {
@@ -151,13 +173,22 @@ video::VideoIdentity identity_of(const Scene& scene, const RenderOptions& option
     identity.size = image_size(scene, options);
     identity.version = version();
     // Portable arithmetic gives the same bytes under every instruction set.
-    identity.instruction_set = options.arithmetic == Arithmetic::portable
-                                   ? std::string("auto")
-                                   : fmt::format("native-{}", instruction_set_name());
+    identity.instruction_set = api::instruction_set_of(options);
     identity.scene_fingerprint = video::fingerprint_of(*api::scene_of(scene));
     identity.fingerprint = video::fingerprint_of(identity.scene_fingerprint, scene, options);
     identity.frames = whole;
     identity.fps = job.fps;
+    identity.delivery = video::choose_delivery(
+        job.out, job.encoding, options.background == BackgroundKind::transparent && options.overlay == Overlay::none,
+        job.fps, whole.first);
+    if (!identity.delivery.audio.empty()) {
+        std::error_code none;
+        identity.delivery.audio = fs::absolute(identity.delivery.audio, none);
+        identity.delivery.audio_hash = video::hash_of_file(identity.delivery.audio);
+    }
+    // Frames also depend on what they are kept for.
+    const std::uint32_t kinds[] = {exposes_clip(job, options), identity.delivery.alpha, identity.delivery.deep};
+    identity.fingerprint = hash_bytes(kinds, sizeof kinds, identity.fingerprint);
     return identity;
 }
 
@@ -168,15 +199,17 @@ bool is_complete(const VideoJob& job, const video::VideoIdentity& identity)
     std::error_code none;
     if (!fs::exists(job.out, none) || (!job.contact_sheet.empty() && !fs::exists(job.contact_sheet, none)))
         return false;
-    const std::string comment = video::comment_of_mp4(job.out);
-    const bool whole = video::is_whole_mp4(job.out);
+    const video::Container container = identity.delivery.container;
+    const std::string comment = video::comment_of_video(job.out, container);
+    const bool whole = video::is_whole_video(job.out, container);
     if (comment == video::comment_of(identity) && whole) return true;
     if (is_part(job) || !job.on_notice) return false;
     const std::string stamp = video::stamp_in(comment);
     const video::Difference difference = video::difference_of(stamp, identity);
-    const std::string reason = !whole                                  ? "incomplete"
-                               : difference == video::Difference::none ? "of other frames, or at another rate"
-                                                                       : describe(difference, stamp, identity);
+    const std::string reason = !whole ? "incomplete"
+                               : difference == video::Difference::none
+                                   ? "of other frames, at another rate, or encoded otherwise"
+                                   : describe(difference, stamp, identity);
     job.on_notice(fmt::format("{} is {}: it is rendered again", job.out.string(), reason));
     return false;
 }
@@ -228,22 +261,49 @@ std::vector<bool> find_kept(const VideoJob& job, FrameRange range, const video::
     return kept;
 }
 
-// Writes a frame to the record's file and notes what it took. A frame of a video, which is a PNG without alpha, carries
-// a stamp.
-void write_frame(const Frame& frame, const std::string& stamp, FrameRecord& record)
+// Writes a frame to the record's file and notes what it took.
+// @param identity  of a video; null for images
+void write_frame(const Frame& frame, const video::VideoIdentity* identity, const VideoJob& job, FrameRecord& record)
 {
-    if (stamp.empty()) {
-        frame.write(record.file);
-    } else {
-        Image8 image(frame.size.width, frame.size.height, 3);
-        image.data = frame.to_srgb8();
-        io::write_png(record.file, image, stamp);
-    }
+    if (identity)
+        video::write_video_frame(frame, identity->delivery, record.file, video::stamp_of(*identity));
+    else
+        frame.write(record.file, job.images);
+    record.exposure = frame.exposure;
     record.milliseconds = frame.milliseconds;
     record.times = frame.times;
     record.counters = frame.counters;
     record.noise = frame.noise;
 }
+
+// Sets a renderer's exposure, and restores what it was.
+class ExposureScope {
+ public:
+    explicit ExposureScope(Renderer& renderer) : renderer_(renderer), before_(renderer.options().exposure) {}
+    ~ExposureScope()
+    {
+        if (changed_) change(before_);
+    }
+    ExposureScope(const ExposureScope&) = delete;
+    ExposureScope& operator=(const ExposureScope&) = delete;
+    void set(double stops)
+    {
+        changed_ = true;
+        change(stops);
+    }
+
+ private:
+    void change(std::optional<double> exposure)
+    {
+        RenderOptions options = renderer_.options();
+        options.exposure = exposure;
+        renderer_.set_options(std::move(options));
+    }
+
+    Renderer& renderer_;
+    std::optional<double> before_;
+    bool changed_ = false;
+};
 }   // namespace
 
 VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob& job, const Progress& progress,
@@ -251,15 +311,13 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
 {
     // Reject invalid jobs before any frame is rendered.
     const io::OutputKind kind = io::output_kind(job.out);
-    if (kind == io::OutputKind::video && renderer.options().background == BackgroundKind::transparent)
-        throw UsageError("a video has no alpha: choose a background of one colour, or write numbered .png images");
     if (!job.frames && kind != io::OutputKind::image && scene.frame_count() > k_most_frames_unasked)
         throw UsageError(
             fmt::format("the clip has {} frames, which is more than {}: name those to render, --frames 1-{}",
                         scene.frame_count(), k_most_frames_unasked, k_most_frames_unasked));
     const FrameRange whole =
         job.frames.value_or(FrameRange{1, kind == io::OutputKind::image ? 1 : scene.frame_count()});
-    check_job(scene, job, whole, kind);
+    check_job(scene, renderer.options(), job, whole, kind);
     const FrameRange range = job.part.value_or(chunk_of(whole, job.chunk, job.chunks));
     const bool encodes = kind == io::OutputKind::video && !is_part(job);
     video::FramesFolder folder(job.out);
@@ -268,9 +326,7 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
         identity = identity_of(scene, renderer.options(), job, whole);
         if (job.resume && is_complete(job, identity)) return nothing_to_do(scene, job, range, identity, folder);
     }
-    if (encodes && !video::have_ffmpeg(progress))
-        throw MissingError(
-            "ffmpeg with libx264 is needed for .mp4 and was not found; write name-{frame:04}.png instead");
+    if (encodes) video::check_encoder(identity.delivery, progress);
     if (kind == io::OutputKind::numbered) io::make_folder(job.out);
     if (kind != io::OutputKind::video || encodes) io::check_writable(io::numbered_name(job.out, range.first));
     if (!job.contact_sheet.empty()) io::check_writable(job.contact_sheet);
@@ -278,7 +334,7 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
     VideoResult result;
     result.size = image_size(scene, renderer.options());
     if (kind == io::OutputKind::video) check_video_size(result.size, job.out);
-    check_layers(scene, renderer.options(), result.size, job.out);
+    check_layers(scene, renderer.options(), result.size, job);
     check_room(job.out, result.size, range.count());
 
     if (kind == io::OutputKind::video) folder.open(identity, job.resume, is_part(job));
@@ -295,6 +351,14 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
 
     // Render the missing frames.
     try {
+        ExposureScope exposure(renderer);
+        if (exposes_clip(job, renderer.options()) && std::find(kept.begin(), kept.end(), false) != kept.end()) {
+            const bool is_video = kind == io::OutputKind::video;
+            const std::optional<double> known = is_video ? folder.exposure() : std::nullopt;
+            const double stops = known ? *known : video::clip_exposure(scene, renderer, progress);
+            if (is_video && !known) folder.note_exposure(identity, stops);
+            exposure.set(stops);
+        }
         const bool one_overlay = renderer.options().overlay == Overlay::shadow_states && whole.count() == 1;
         const int warm_up_frames = job.warm_up.value_or(one_overlay ? k_overlay_warm_up : 0);
         bool warm = false;
@@ -313,7 +377,7 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
                 if (!warm) warm_up(scene, renderer, frame, warm_up_frames, progress);
                 warm = true;
                 const Frame image = renderer.render(scene, frame, [&](const ProgressStep& s) { return step(s.done); });
-                write_frame(image, kind == io::OutputKind::video ? video::stamp_of(identity) : "", record);
+                write_frame(image, kind == io::OutputKind::video ? &identity : nullptr, job, record);
             }
             if (on_frame) on_frame(record);
             result.frames.push_back(std::move(record));
@@ -338,7 +402,7 @@ VideoResult render_video(const Scene& scene, Renderer& renderer, const VideoJob&
     // Encode the video when all frames are complete, and remove the frames.
     std::vector<fs::path> frames;
     for (const FrameRecord& record : result.frames) frames.push_back(record.file);
-    video::encode_video(frames, job.fps, job.out, progress, video::comment_of(identity));
+    video::encode_video(frames, job.fps, job.out, progress, video::comment_of(identity), identity.delivery);
     folder.remove();
     for (FrameRecord& record : result.frames) record.file = job.out;
     result.files.push_back(job.out);

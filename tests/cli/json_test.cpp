@@ -37,8 +37,8 @@ TEST(Json, KeysOfRender)
     ASSERT_EQ(document["frames"].size(), 3u);
     for (int i = 0; i < 3; ++i) {
         const json& frame = document["frames"][static_cast<std::size_t>(i)];
-        EXPECT_EQ(keys_of(frame),
-                  (Keys{"draws", "file", "frame", "indirect", "ms", "samples", "shadow", "stages", "time"}));
+        EXPECT_EQ(keys_of(frame), (Keys{"draws", "exposure", "file", "frame", "indirect", "ms", "samples", "shadow",
+                                        "stages", "time"}));
         EXPECT_EQ(keys_of(frame["samples"]), (Keys{"pixels", "shaded", "taken"}));
         EXPECT_EQ(keys_of(frame["shadow"]), (Keys{"rays", "rays_dynamic_only", "rays_skipped"}));
         EXPECT_EQ(keys_of(frame["indirect"]), (Keys{"clusters", "rays"}));
@@ -61,8 +61,8 @@ TEST(Json, KeysOfRenderWithCountingKdTree)
                                  "--accelerator", "kdtree", "--json"});
     ASSERT_EQ(outcome.code, 0) << outcome.err;
     const json frame = outcome.json()["frames"][0];
-    EXPECT_EQ(keys_of(frame),
-              (Keys{"draws", "file", "frame", "indirect", "kdtree", "ms", "samples", "shadow", "stages", "time"}));
+    EXPECT_EQ(keys_of(frame), (Keys{"draws", "exposure", "file", "frame", "indirect", "kdtree", "ms", "samples",
+                                    "shadow", "stages", "time"}));
     EXPECT_EQ(keys_of(frame["kdtree"]), (Keys{"indirect", "primary", "reflection", "refraction", "shadow"}));
     for (const json& work : frame["kdtree"]) EXPECT_EQ(keys_of(work), (Keys{"nodes", "tests"}));
     EXPECT_GT(frame["kdtree"]["shadow"]["nodes"].get<int>(), frame["shadow"]["rays"].get<int>());

@@ -249,5 +249,30 @@ TEST(FrameReport, ListsMovedLights)
     for (const LightId& light : renderer.report().lights) EXPECT_NO_THROW(scene.light(light));
 }
 
+// What is picked at a pixel lies where the frame's matrices put it.
+TEST(FrameMatrices, ProjectWhatIsPickedToItsPixel)
+{
+    const Scene scene = load("builtin:cornell");
+    RenderOptions options;
+    options.size = {64, 40};
+    Renderer renderer(options);
+    const Frame frame = renderer.render(scene, 3);
+    const auto product = [](const Transform& matrix, const Vec3& p, std::size_t row) {
+        return matrix.m[row] * p.x + matrix.m[4 + row] * p.y + matrix.m[8 + row] * p.z + matrix.m[12 + row];
+    };
+    int hits = 0;
+    for (int y = 1; y < 40; y += 6)
+        for (int x = 1; x < 64; x += 6) {
+            const Pick pick = renderer.pick(x, y);
+            if (!pick.hit) continue;
+            ++hits;
+            const double w = product(frame.world_to_image, pick.position, 3);
+            EXPECT_NEAR(64 * product(frame.world_to_image, pick.position, 0) / w, x + 0.5, 1e-2);
+            EXPECT_NEAR(40 * product(frame.world_to_image, pick.position, 1) / w, y + 0.5, 1e-2);
+            EXPECT_NEAR(-product(frame.world_to_camera, pick.position, 2), pick.depth, 1e-4);
+        }
+    EXPECT_GT(hits, 20);
+}
+
 }   // namespace
 }   // namespace gnomon

@@ -30,8 +30,8 @@ std::set<int> enumerators(std::integer_sequence<int, Values...>)
 template <class E>
 class EnumNames : public testing::Test {
 };
-using Enums =
-    testing::Types<RenderMethod, Accelerator, ToneMap, Overlay, ShadowCulling, ShadowTextures, Indirect, IndirectOn>;
+using Enums = testing::Types<RenderMethod, Accelerator, ToneMap, Overlay, ShadowCulling, ShadowTextures, Indirect,
+                             IndirectOn, VideoCodec, ExrType, ExrCompression>;
 TYPED_TEST_SUITE(EnumNames, Enums);
 
 TYPED_TEST(EnumNames, EveryValueHasOneNameAndReadsBack)

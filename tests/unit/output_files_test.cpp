@@ -56,13 +56,16 @@ TEST(OutputKind, FollowsExtensionAndPattern)
     EXPECT_EQ(io::output_kind("100%.png"), OutputKind::image);   // no pattern
     EXPECT_EQ(io::output_kind("a%20b.png"), OutputKind::image);
     EXPECT_EQ(io::output_kind("{frame}/still.png"), OutputKind::image);   // folders are not patterns
-    EXPECT_EQ(io::output_kind("b.mp4"), OutputKind::video);
+    for (const char* video : {"b.mp4", "b.mov", "b.MKV", "b.webm", "b.gif"})
+        EXPECT_EQ(io::output_kind(video), OutputKind::video) << video;
+    EXPECT_EQ(io::output_kind("b.jpg"), OutputKind::image);
+    EXPECT_EQ(io::output_kind("b-{frame}.JPEG"), OutputKind::numbered);
     EXPECT_EQ(io::output_kind("b.Exr"), OutputKind::image);
     EXPECT_EQ(io::output_kind("{frame}.exr"), OutputKind::numbered);
     EXPECT_TRUE(io::is_exr_name("b.EXR"));
     EXPECT_FALSE(io::is_exr_name("exr.png"));
     for (const char* wrong :
-         {"b", "b.jpg", "b{frame}.mp4", "b{frame.png", "b{frame:4}.png", "b{frame:0}.png", "b{frame:0x}.png",
+         {"b", "b.bmp", "b{frame}.mp4", "b{frame.png", "b{frame:4}.png", "b{frame:0}.png", "b{frame:0x}.png",
           "b{frame:004}.png", "{frame}{frame}.png", "{framework}.png", "%d%d.png", "%04d-{frame}.png", "b%d.mp4", ""})
         EXPECT_THROW(io::output_kind(wrong), UsageError) << wrong;
 }

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "gnomon/video.h"
 #include "io/file/atomic_file.h"
@@ -76,9 +77,12 @@ OutputKind output_kind(const fs::path& out)
 {
     const std::string extension = extension_of(out);
     const bool numbered = find_pattern(out).has_value();
-    if (extension == ".png" || extension == ".exr") return numbered ? OutputKind::numbered : OutputKind::image;
-    if (extension != ".mp4")
-        throw UsageError(fmt::format("{}: cannot write '{}'; write .png, .exr or .mp4", out.string(), extension));
+    if (extension == ".png" || extension == ".exr" || is_jpeg_name(out))
+        return numbered ? OutputKind::numbered : OutputKind::image;
+    constexpr std::string_view k_videos[] = {".mp4", ".mov", ".mkv", ".webm", ".gif"};
+    if (std::find(std::begin(k_videos), std::end(k_videos), extension) == std::end(k_videos))
+        throw UsageError(fmt::format("{}: cannot write '{}'; write .png, .jpg, .exr, .mp4, .mov, .mkv, .webm or .gif",
+                                     out.string(), extension));
     if (numbered) throw UsageError(fmt::format("{}: a video is one file; leave out the frame's number", out.string()));
     return OutputKind::video;
 }
@@ -86,6 +90,12 @@ OutputKind output_kind(const fs::path& out)
 bool is_exr_name(const fs::path& out)
 {
     return extension_of(out) == ".exr";
+}
+
+bool is_jpeg_name(const fs::path& out)
+{
+    const std::string extension = extension_of(out);
+    return extension == ".jpg" || extension == ".jpeg";
 }
 
 fs::path numbered_name(const fs::path& pattern, int frame)

@@ -15,6 +15,8 @@ OutputKind output_kind(const std::filesystem::path& out);
 
 /// Whether the name selects OpenEXR.
 bool is_exr_name(const std::filesystem::path& out);
+/// Whether the name selects JPEG: .jpg or .jpeg.
+bool is_jpeg_name(const std::filesystem::path& out);
 
 /// The name of one frame of a numbered set: name-{frame:04}.png, or name-%04d.png, and 7 give
 /// name-0007.png.

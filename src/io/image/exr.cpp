@@ -6,7 +6,6 @@
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
-#include <OpenEXR/ImfOutputFile.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,33 +16,12 @@
 
 #include "base/check.h"
 #include "gnomon/error.h"
-#include "io/file/atomic_file.h"
 #include "io/image/exr_header.h"
 
 namespace gnomon::io {
 
 namespace {
-constexpr int k_threads = 0;      // OpenEXR starts no threads of its own
-constexpr int k_zip_lines = 16;   // lines per chunk
-
-class MemoryOut : public Imf::OStream {
- public:
-    MemoryOut() : Imf::OStream("image") {}
-    void write(const char data[], int count) override
-    {
-        const auto size = static_cast<std::size_t>(count);
-        if (at_ + size > bytes.size()) bytes.resize(at_ + size);
-        std::memcpy(bytes.data() + at_, data, size);
-        at_ += size;
-    }
-    std::uint64_t tellp() override { return at_; }
-    void seekp(std::uint64_t position) override { at_ = static_cast<std::size_t>(position); }
-
-    std::vector<char> bytes;
-
- private:
-    std::size_t at_ = 0;
-};
+constexpr int k_threads = 0;   // OpenEXR starts no threads of its own
 
 class MemoryIn : public Imf::IStream {
  public:
@@ -75,11 +53,6 @@ ChannelName split(const std::string& full)
     const std::size_t dot = full.rfind('.');
     if (dot == std::string::npos) return {"", full};
     return {full.substr(0, dot), full.substr(dot + 1)};
-}
-
-std::string join(const std::string& layer, const std::string& channel)
-{
-    return layer.empty() ? channel : layer + "." + channel;
 }
 
 // Files sort channels by name; we use the order R G B A, and L2 before L10.
@@ -127,56 +100,6 @@ Layer view_of(const ExrLayer& layer, Size size)
 }
 }   // namespace
 
-std::size_t room_in_exr(Size size)
-{
-    // OpenEXR can write larger chunks, but cannot read them. It assumes that all chunks are complete.
-    const std::size_t chunk = sizeof(float) * k_zip_lines * static_cast<std::size_t>(size.width);
-    return std::min<std::size_t>(k_max_exr_channels, std::numeric_limits<std::int32_t>::max() / chunk);
-}
-
-void write_exr(const std::filesystem::path& file, Size size, std::span<const Layer> layers)
-{
-    GNOMON_CHECK(size.width > 0 && size.height > 0 && !layers.empty());
-    std::size_t channels = 0;
-    for (const Layer& layer : layers) channels += layer.channels.size();
-    if (channels > room_in_exr(size))
-        throw UsageError(fmt::format("{}: {} channels; an .exr of {} x {} pixels has room for {}", file.string(),
-                                     channels, size.width, size.height, room_in_exr(size)));
-    AtomicFile out(file);
-    MemoryOut memory;
-    try {
-        Imf::Header header(size.width, size.height);
-        header.compression() = Imf::ZIP_COMPRESSION;
-        Imf::FrameBuffer frame;
-        for (const Layer& layer : layers) {
-            const std::size_t count = layer.channels.size();
-            GNOMON_CHECK(layer.size == size && layer.data);
-            GNOMON_CHECK(layer.format == PixelFormat::f32 || layer.format == PixelFormat::u32);
-            GNOMON_CHECK(layer.pixel_stride > 0 && layer.row_stride > 0);
-            const Imf::PixelType type = layer.format == PixelFormat::u32 ? Imf::UINT : Imf::FLOAT;
-            for (std::size_t c = 0; c < count; ++c) {
-                const std::string name = join(layer.name, layer.channels[c]);
-                header.channels().insert(name, Imf::Channel(type));
-                // The library takes a pointer to writable memory, but does not write to it.
-                char* base = const_cast<char*>(static_cast<const char*>(layer.data)) + c * sizeof(float);
-                frame.insert(name, Imf::Slice(type, base, static_cast<std::size_t>(layer.pixel_stride),
-                                              static_cast<std::size_t>(layer.row_stride)));
-            }
-        }
-        Imf::OutputFile exr(memory, header, k_threads);
-        exr.setFrameBuffer(frame);
-        exr.writePixels(size.height);
-    } catch (const Error&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        throw;
-    } catch (const std::exception& e) {
-        throw MissingError(fmt::format("cannot write {}: {}", file.string(), e.what()));
-    }
-    out.write(memory.bytes.data(), memory.bytes.size());
-    out.commit();
-}
-
 void write_exr(const std::filesystem::path& file, Size size, std::span<const ExrLayer> layers)
 {
     std::vector<Layer> views;
@@ -204,7 +127,7 @@ ExrImage decode_exr(std::span<const std::uint8_t> bytes, const std::string& name
         for (std::size_t c = 0; c < count; ++c) {
             const std::size_t step = count * sizeof(float);
             frame.insert(
-                join(layer.name, layer.channels[c]),
+                exr_channel_name(layer.name, layer.channels[c]),
                 Imf::Slice::Make(Imf::FLOAT, layer.data.data() + c, {header.x, header.y}, header.size.width,
                                  header.size.height, step, step * static_cast<std::size_t>(header.size.width)));
         }

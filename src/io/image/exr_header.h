@@ -17,6 +17,12 @@
 
 namespace gnomon::io {
 
+/// The name of a channel in a file: "layer.channel", or the channel alone in the layer "".
+inline std::string exr_channel_name(const std::string& layer, const std::string& channel)
+{
+    return layer.empty() ? channel : layer + "." + channel;
+}
+
 struct ExrHeader {
     int x = 0, y = 0;   // the data window's upper left corner
     Size size;          // of the data window

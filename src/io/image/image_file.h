@@ -12,6 +12,10 @@
 
 #include "base/image.h"
 
+namespace gnomon {
+using Image16 = Image<std::uint16_t>;
+}
+
 namespace gnomon::io {
 
 struct ImageLimits {
@@ -42,7 +46,27 @@ Image8 decode_image(std::span<const std::uint8_t> bytes, const std::string& name
 /// @throws MissingError if it cannot be written
 void write_png(const std::filesystem::path& file, const Image8& image, const std::string& comment = {});
 
-/// The same bytes, in memory.
+/// The same with 16 bits a channel.
+void write_png(const std::filesystem::path& file, const Image16& image, const std::string& comment = {});
+
+/// What a PNG file says of its pixels.
+struct PngKind {
+    bool alpha = false, deep = false;   // deep: 16 bits a channel
+};
+/// @throws MissingError  it cannot be read, or is no PNG
+PngKind png_kind(const std::filesystem::path& file);
+
+/// Writes a JPEG file of 1 or 3 channels, with colours of full resolution from quality k_full_colors on, and of half
+/// below; the bytes depend on the pixels and the quality only.
+/// @param quality  0 to 100
+/// @throws MissingError if it cannot be written
+void write_jpeg(const std::filesystem::path& file, const Image8& image, int quality);
+inline constexpr int k_full_colors = 85;
+
+/// Whether a file is a complete JPEG of that size: its markers are followed, its last bytes are the end marker.
+bool is_whole_jpeg(const std::filesystem::path& file, int width, int height);
+
+/// The same bytes as of the first write_png, in memory.
 /// @throws MissingError  out of memory
 std::vector<std::uint8_t> encode_png(const Image8& image, const std::string& comment = {});
 

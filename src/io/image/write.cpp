@@ -4,11 +4,13 @@
 #include <zlib.h>
 
 #include <array>
+#include <bit>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <vector>
 
@@ -53,7 +55,8 @@ void note_error(png_structp png, png_const_charp text)
 void ignore_warning(png_structp, png_const_charp) {}
 
 // No object in this function has a destructor, because longjmp may leave it.
-bool encode(const Image8& image, const std::string& comment, Encoding& encoding)
+template <class T>
+bool encode(const Image<T>& image, const std::string& comment, Encoding& encoding)
 {
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &encoding, note_error, ignore_warning);
     if (!png) return false;
@@ -65,9 +68,9 @@ bool encode(const Image8& image, const std::string& comment, Encoding& encoding)
     static constexpr int color_types[] = {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
                                           PNG_COLOR_TYPE_RGB_ALPHA};
     png_set_write_fn(png, &encoding, append, nullptr);
-    png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8,
-                 color_types[image.channels - 1], PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-                 PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height),
+                 8 * static_cast<int>(sizeof(T)), color_types[image.channels - 1], PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_compression_level(png, k_compression_level);
     png_set_filter(png, PNG_FILTER_TYPE_BASE, k_filter);
     if (!comment.empty()) {
@@ -79,7 +82,9 @@ bool encode(const Image8& image, const std::string& comment, Encoding& encoding)
         png_set_text(png, info, &text, 1);
     }
     png_write_info(png, info);
-    for (int y = 0; y < image.height; ++y) png_write_row(png, image.pixel(0, y));
+    if (sizeof(T) > 1 && std::endian::native == std::endian::little) png_set_swap(png);
+    for (int y = 0; y < image.height; ++y)
+        png_write_row(png, reinterpret_cast<png_const_bytep>(image.pixel(0, y)));   // a copy is swapped
     png_write_end(png, info);
     png_destroy_write_struct(&png, &info);
     return true;
@@ -93,7 +98,9 @@ std::uint32_t big_endian(const std::uint8_t* p)
 }
 }   // namespace
 
-std::vector<std::uint8_t> encode_png(const Image8& image, const std::string& comment)
+namespace {
+template <class T>
+std::vector<std::uint8_t> encoded(const Image<T>& image, const std::string& comment)
 {
     GNOMON_CHECK(image.width > 0 && image.height > 0 && image.channels >= 1 && image.channels <= 4);
     Encoding encoding;
@@ -103,12 +110,40 @@ std::vector<std::uint8_t> encode_png(const Image8& image, const std::string& com
     return std::move(encoding.bytes);
 }
 
-void write_png(const std::filesystem::path& file, const Image8& image, const std::string& comment)
+void write_bytes(const std::filesystem::path& file, const std::function<std::vector<std::uint8_t>()>& encode)
 {
     AtomicFile out(file);
-    const std::vector<std::uint8_t> bytes = encode_png(image, comment);
+    const std::vector<std::uint8_t> bytes = encode();
     out.write(bytes.data(), bytes.size());
     out.commit();
+}
+}   // namespace
+
+std::vector<std::uint8_t> encode_png(const Image8& image, const std::string& comment)
+{
+    return encoded(image, comment);
+}
+
+void write_png(const std::filesystem::path& file, const Image8& image, const std::string& comment)
+{
+    write_bytes(file, [&] { return encoded(image, comment); });
+}
+
+void write_png(const std::filesystem::path& file, const Image16& image, const std::string& comment)
+{
+    write_bytes(file, [&] { return encoded(image, comment); });
+}
+
+PngKind png_kind(const std::filesystem::path& file)
+{
+    // The header is the first chunk: length, type, width, height, bits, colour type [PNG, 11.2.2].
+    constexpr std::size_t bits_at = 24, color_at = 25;
+    std::array<char, 26> head{};
+    std::ifstream in(file, std::ios::binary);
+    in.read(head.data(), head.size());
+    if (!in || std::memcmp(head.data(), k_signature.data(), k_signature.size()) != 0)
+        throw MissingError(fmt::format("cannot read the frame {}", file.string()));
+    return {(head[color_at] & PNG_COLOR_MASK_ALPHA) != 0, head[bits_at] == 16};
 }
 
 bool is_whole_png(const std::filesystem::path& file, int width, int height)
