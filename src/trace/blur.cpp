@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "trace/blur.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "base/check.h"
+#include "base/interruption.h"
+#include "base/random.h"
+#include "base/sobol.h"
+#include "trace/refinement.h"
+
+namespace gnomon::trace {
+
+namespace {
+
+// Samples of a pixel after each round.
+constexpr std::uint32_t k_totals[] = {k_first_blur_samples, 32, 128};
+constexpr int k_rounds = 3;
+constexpr int k_reach = 2;   // pixels around whose samples tell of a pixel's error
+
+std::uint32_t mixed(std::uint32_t x)
+{
+    x ^= x >> 16, x *= 0x7feb352du;
+    x ^= x >> 15, x *= 0x846ca68bu;
+    return x ^ (x >> 16);
+}
+
+// Permutes numbers so that each bit depends on itself and the lower ones [Burley 2020, Listing 2].
+std::uint32_t permuted(std::uint32_t x, std::uint32_t seed)
+{
+    x += seed;
+    x ^= x * 0x6c50b47cu;
+    x ^= x * 0xb82f1e52u;
+    x ^= x * 0xc7afe638u;
+    return x ^ x * 0x8d22f6e6u;
+}
+
+// Scrambles a fraction of 2^32 as Owen does.
+std::uint32_t scrambled(std::uint32_t x, std::uint32_t seed)
+{
+    return reversed_bits(permuted(reversed_bits(x), seed));
+}
+
+float fraction(std::uint32_t x)
+{
+    return static_cast<float>(x >> 8) * 0x1p-24f;
+}
+
+// A point of the (0, 2)-sequence, in an order and scrambling of its own for each seed.
+glm::vec2 scrambled_point(std::uint32_t number, std::uint32_t seed)
+{
+    // Exchange blocks of points, so that each run of a power of two of points stays such a run.
+    const std::uint32_t i = scrambled(number, mixed(seed)) & 0xffffu;
+    return {fraction(scrambled(reversed_bits(i), mixed(seed + 1))),
+            fraction(scrambled(second_dimension(i), mixed(seed + 2)))};
+}
+
+// The pose of a sample. The first samples are in the middle of their strata, for all pixels alike.
+int time_of(const glm::ivec2& pixel, std::uint32_t number, int times)
+{
+    constexpr std::uint32_t k_bits = 6, k_middle = k_most_blur_times / k_first_blur_samples / 2;
+    std::uint32_t at = reversed_bits(number) >> (32 - k_bits) ^ k_middle;
+    if (number % 32 >= k_first_blur_samples) at ^= static_cast<std::uint32_t>(pixel.x + pixel.y) & 1;
+    return static_cast<int>(at) * times / k_most_blur_times;
+}
+
+}   // namespace
+
+BlurSample blur_sample(const glm::ivec2& pixel, std::uint32_t number, int times, bool random)
+{
+    const std::uint32_t seed = mixed(static_cast<std::uint32_t>(pixel.x) * 0x9e3779b9u +
+                                     mixed(static_cast<std::uint32_t>(pixel.y) + 0x51ed270bu));
+    BlurSample sample;
+    if (random) {
+        Random numbers(seed, number);
+        sample.offset = {numbers.uniform(), numbers.uniform()};
+        sample.lens = scene::disc_point({numbers.uniform(), numbers.uniform()});
+        sample.time = static_cast<int>(numbers.below(static_cast<std::uint32_t>(times)));
+        return sample;
+    }
+    sample.offset = scrambled_point(number, seed);
+    sample.lens = scene::disc_point(scrambled_point(number, seed ^ 0x5bd1e995u));
+    sample.time = time_of(pixel, number, times);
+    return sample;
+}
+
+int Blur::time(const glm::ivec2& pixel, std::uint32_t number) const
+{
+    return options_.random ? sample(pixel, number).time : time_of(pixel, number, motion_.times);
+}
+
+bool Blur::any_active(const Tile& tile) const
+{
+    for (int y = tile.y; y < tile.y + tile.height; ++y)
+        for (int x = tile.x; x < tile.x + tile.width; ++x)
+            if (active(x, y)) return true;
+    return false;
+}
+
+void Blur::keep(image::SampleSums&& sums, const image::SampleWeights& centre, int tile)
+{
+    others_ = std::move(sums), centre_ = centre, tile_ = tile;
+}
+
+void Blur::begin(Size size, int channels, float exposure)
+{
+    GNOMON_CHECK(size.width == size_.width && size.height == size_.height);
+    exposure_ = exposure;
+    sums_ = ImageF(size.width, size.height, channels);
+    squares_ = ImageF(size.width, size.height, 3);
+    active_ = Image8(size.width, size.height, 1);
+}
+
+bool Blur::next_round(Tasks& tasks)
+{
+    if (!any_ || (round_ >= 0 && options_.samples > 0) || round_ + 1 == k_rounds) return false;
+    // Go on with the pixels whose error is too large. Errors read the pixels that took part in the last round.
+    Image8 next(size_.width, size_.height, 1);
+    std::vector<char> found(static_cast<std::size_t>(size_.height), 0);
+    tasks.for_each(static_cast<std::size_t>(size_.height), [&](std::size_t row, int) {
+        interruption_point();
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < size_.width; ++x) {
+            const bool goes_on = round_ < 0 ? touched(x, y) : active(x, y) && error_at(x, y) > options_.error;
+            if (goes_on) *next.pixel(x, y) = 1, found[row] = 1;
+        }
+    });
+    active_ = std::move(next);
+    ++round_;
+    first_ = end_;
+    end_ = options_.samples > 0 ? static_cast<std::uint32_t>(options_.samples) : k_totals[round_];
+    use_times();
+    for (int y = 0; y < size_.height; ++y)
+        for (int x = 0; x < size_.width; ++x)
+            if (active(x, y)) ++*rounds_.pixel(x, y);
+    return std::ranges::any_of(found, [](char any) { return any != 0; });
+}
+
+// Notes the times of the round's samples.
+void Blur::use_times()
+{
+    used_.assign(static_cast<std::size_t>(motion_.times), options_.random ? 1 : 0);
+    for (std::uint32_t s = first_; s < end_; ++s)
+        for (int parity = 0; parity < 2; ++parity)
+            used_[static_cast<std::size_t>(time_of({parity, 0}, s, motion_.times))] = 1;
+}
+
+// How far a pixel's mean may be from the true one, as the eye compares. The variance is that of the samples of all
+// pixels around that took part.
+float Blur::error_at(int x, int y) const
+{
+    const auto n = static_cast<float>(end_);
+    glm::vec3 variance(0);
+    int pixels = 0;
+    for (int v = std::max(y - k_reach, 0); v <= std::min(y + k_reach, size_.height - 1); ++v)
+        for (int u = std::max(x - k_reach, 0); u <= std::min(x + k_reach, size_.width - 1); ++u) {
+            if (!active(u, v)) continue;
+            const float *const sum = sums_.pixel(u, v), *const square = squares_.pixel(u, v);
+            for (int c = 0; c < 3; ++c) variance[c] += std::max(square[c] - sum[c] * sum[c] / n, 0.0f);
+            ++pixels;
+        }
+    variance /= static_cast<float>(pixels) * (n - 1);
+    const float* const sum = sums_.pixel(x, y);
+    const glm::vec3 mean = glm::vec3(sum[0], sum[1], sum[2]) / n;
+    // Structured samples err less than random ones, by about the fourth root of their number.
+    const glm::vec3 error = glm::sqrt(variance) / std::pow(n, 0.75f);
+    return shading::difference(shading::shown(mean + error, exposure_), shading::shown(mean, exposure_));
+}
+
+void Blur::add(int x, int y, const float* values)
+{
+    float* const sum = sums_.pixel(x, y);
+    for (int c = 0; c < sums_.channels; ++c) sum[c] += values[c];
+    float* const square = squares_.pixel(x, y);
+    for (int c = 0; c < 3; ++c) square[c] += values[c] * values[c];
+}
+
+void Blur::finish(const std::vector<ImageF*>& layers, Tasks& tasks) const
+{
+    const int columns = (size_.width + tile_ - 1) / tile_, rows = (size_.height + tile_ - 1) / tile_;
+    const auto tiles = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+    const auto write = [&](int x, int y, const float* values) {
+        for (ImageF* layer : layers) {
+            std::copy_n(values, layer->channels, layer->pixel(x, y));
+            values += layer->channels;
+        }
+    };
+    // Without kept sums, the other pixels lie in the layers already.
+    std::optional<image::SampleSums> all = others_;
+    tasks.for_each(tiles, [&](std::size_t tile, int) {
+        const int left = static_cast<int>(tile) % columns * tile_, top = static_cast<int>(tile) / columns * tile_;
+        std::vector<float> mean(static_cast<std::size_t>(sums_.channels));
+        for (int y = top; y < std::min(top + tile_, size_.height); ++y)
+            for (int x = left; x < std::min(left + tile_, size_.width); ++x) {
+                if (!touched(x, y)) continue;
+                const int taken = *rounds_.pixel(x, y) - 1;
+                const auto n = static_cast<float>(options_.samples > 0 ? end_ : k_totals[taken - 1]);
+                const float* const sum = sums_.pixel(x, y);
+                for (std::size_t c = 0; c < mean.size(); ++c) mean[c] = sum[c] / n;
+                if (all)
+                    all->add(tile, x - left, y - top, centre_, 1, mean.data(), image::LightWeight::linear);
+                else
+                    write(x, y, mean.data());
+            }
+    });
+    if (!all) return;
+    tasks.for_each(tiles, [&](std::size_t tile, int) { all->resolve(tile, write); });
+}
+
+std::uint64_t Blur::touched_pixels() const
+{
+    if (!any_) return 0;
+    return static_cast<std::uint64_t>(
+        std::count_if(rounds_.data.begin(), rounds_.data.end(), [](std::uint8_t r) { return r > 0; }));
+}
+
+}   // namespace gnomon::trace
