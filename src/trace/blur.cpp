@@ -2,6 +2,7 @@
 #include "trace/blur.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -16,8 +17,9 @@ namespace gnomon::trace {
 namespace {
 
 // Samples of a pixel after each round.
-constexpr std::uint32_t k_totals[] = {k_first_blur_samples, 32, 128};
-constexpr int k_rounds = 3;
+constexpr std::uint32_t k_totals[] = {k_first_blur_samples, 16, 32, 64, 128};
+constexpr int k_rounds = 5;
+constexpr float k_convergence = 0.85f;   // power of the samples' number by which their error falls; 0.5: of random ones
 constexpr int k_reach = 2;   // pixels around whose samples tell of a pixel's error
 
 std::uint32_t mixed(std::uint32_t x)
@@ -48,13 +50,24 @@ float fraction(std::uint32_t x)
     return static_cast<float>(x >> 8) * 0x1p-24f;
 }
 
-// A point of the (0, 2)-sequence, in an order and scrambling of its own for each seed.
-glm::vec2 scrambled_point(std::uint32_t number, std::uint32_t seed)
+// The third dimension of Sobol's sequence, for as many points as a pixel may have samples: its direction numbers follow
+// from the polynomial x^2 + x + 1.
+constexpr int k_sobol_bits = 12;
+constexpr std::array<std::uint32_t, k_sobol_bits> third_directions()
 {
-    // Exchange blocks of points, so that each run of a power of two of points stays such a run.
-    const std::uint32_t i = scrambled(number, mixed(seed)) & 0xffffu;
-    return {fraction(scrambled(reversed_bits(i), mixed(seed + 1))),
-            fraction(scrambled(second_dimension(i), mixed(seed + 2)))};
+    std::array<std::uint32_t, k_sobol_bits> result{1u << 31, 3u << 30};
+    for (std::size_t i = 2; i < result.size(); ++i)
+        result[i] = result[i - 2] ^ (result[i - 2] >> 2) ^ result[i - 1];
+    return result;
+}
+
+std::uint32_t third_dimension(std::uint32_t i)
+{
+    static constexpr std::array<std::uint32_t, k_sobol_bits> k_directions = third_directions();
+    std::uint32_t result = 0;
+    for (std::size_t bit = 0; bit < k_directions.size(); ++bit)
+        if (i >> bit & 1) result ^= k_directions[bit];
+    return result;
 }
 
 // The pose of a sample. The first samples are in the middle of their strata, for all pixels alike.
@@ -80,8 +93,15 @@ BlurSample blur_sample(const glm::ivec2& pixel, std::uint32_t number, int times,
         sample.time = static_cast<int>(numbers.below(static_cast<std::uint32_t>(times)));
         return sample;
     }
-    sample.offset = scrambled_point(number, seed);
-    sample.lens = scene::disc_point(scrambled_point(number, seed ^ 0x5bd1e995u));
+    // The time is the first dimension of Sobol's sequence. So it is well spread together with the place in the pixel,
+    // which decides about moving edges.
+    const auto place = [&](std::uint32_t point, std::uint32_t dimension) {
+        return fraction(scrambled(point, mixed(seed + dimension)));
+    };
+    sample.offset = {place(second_dimension(number), 1), place(third_dimension(number), 2)};
+    // Exchange blocks of points, so that each run of a power of two of points stays such a run, of other times.
+    const std::uint32_t i = scrambled(number, mixed(seed)) & 0xffffu;
+    sample.lens = scene::disc_point({place(reversed_bits(i), 3), place(second_dimension(i), 4)});
     sample.time = time_of(pixel, number, times);
     return sample;
 }
@@ -164,8 +184,7 @@ float Blur::error_at(int x, int y) const
     variance /= static_cast<float>(pixels) * (n - 1);
     const float* const sum = sums_.pixel(x, y);
     const glm::vec3 mean = glm::vec3(sum[0], sum[1], sum[2]) / n;
-    // Structured samples err less than random ones, by about the fourth root of their number.
-    const glm::vec3 error = glm::sqrt(variance) / std::pow(n, 0.75f);
+    const glm::vec3 error = glm::sqrt(variance) / std::pow(n, k_convergence);
     return shading::difference(shading::shown(mean + error, exposure_), shading::shown(mean, exposure_));
 }
 

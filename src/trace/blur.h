@@ -6,14 +6,15 @@
 // 2. Pixels are touched if a moving object may be seen, may cast a shadow or may be mirrored in them, or if something
 //    that is out of focus is seen there or may reach into them (Blur::select()). All others stay as they are, bit for
 //    bit.
-// 3. Touched pixels get samples in rounds: 8, 32 and 128 in all. After a round, those go on whose samples, and those of
+// 3. Touched pixels get samples in rounds: 8, 16, 32, 64 and 128 in all. After a round, those go on whose samples, and those of
 //    the pixels around, still differ too much (Blur::next_round()).
 // 4. Each touched pixel becomes the mean of its samples, in linear light, so that what is blurred keeps its energy.
 //
 // Times are discrete: the scene is posed at up to 64 times of the shutter, in strata of equal length, one after the
 // other, and each pose traces the samples that need it. The first 8 samples have the same times in all pixels. The
-// later ones fill the other strata; pixels take turns in which half of a stratum they sample. Place on the lens and in
-// the pixel are points of (0, 2)-sequences, scrambled differently in each pixel [Burley 2020].
+// later ones fill the other strata; pixels take turns in which half of a stratum they sample. Time and place
+// in the pixel are the three dimensions of Sobol's sequence, and the place on the lens is a point of a (0, 2)-sequence;
+// all but the times are scrambled differently in each pixel [Burley 2020].
 //
 // All light is computed anew for each sample, at its time. Only pixels that no moving object may reach, as step 2 has
 // it, keep the bounced light of the shutter's middle.
@@ -50,7 +51,7 @@ struct BlurOptions {
     scene::Lens lens{.radius = 0};
     int samples = 0;                     // of each touched pixel; 0: in rounds
     bool random = false;                 // for measurements: independent random samples
-    float error = 0.02f;                 // of a pixel, as shading::shown() has it, above which it takes more samples
+    float error = 0.015f;                // of a pixel, as shading::shown() has it, above which it takes more samples
     float blurred_from = 0.5f;           // diameter in pixels from which on what is out of focus counts
     float near = 0.5f;                   // distance, in diagonals of its box, within which a moving object changes light
 };
@@ -61,7 +62,7 @@ struct BlurSample {
     glm::vec2 lens{0};        // in the unit disc
     int time = 0;             // number of the pose
 };
-/// The sample of that number of a pixel. The first 8, 32 and 128 are each well spread over time, lens and pixel.
+/// The sample of that number of a pixel. The first 8, 16, 32, 64 and 128 are each well spread over time, lens and pixel.
 BlurSample blur_sample(const glm::ivec2& pixel, std::uint32_t number, int times, bool random);
 
 class Blur {
