@@ -45,6 +45,13 @@ std::uint32_t scrambled(std::uint32_t x, std::uint32_t seed)
     return reversed_bits(permuted(reversed_bits(x), seed));
 }
 
+// A colour as a display encodes it, about: 1 for its white, and little more for what is brighter.
+glm::vec3 displayed(const glm::vec3& color)
+{
+    const auto encoded = [](float x) { return x < 1 ? std::sqrt(std::max(x, 0.0f)) : 1.5f - 0.5f / x; };
+    return {encoded(color.x), encoded(color.y), encoded(color.z)};
+}
+
 float fraction(std::uint32_t x)
 {
     return static_cast<float>(x >> 8) * 0x1p-24f;
@@ -167,25 +174,24 @@ void Blur::use_times()
             used_[static_cast<std::size_t>(time_of({parity, 0}, s, motion_.times))] = 1;
 }
 
-// How far a pixel's mean may be from the true one, as the eye compares. The variance is that of the samples of all
-// pixels around that took part.
+// How far a pixel's mean may be from the true one, as a display shows it. Variance and mean are those of the samples of
+// all pixels around that took part: of its own, a pixel that happens to be too bright would stop earlier.
 float Blur::error_at(int x, int y) const
 {
     const auto n = static_cast<float>(end_);
-    glm::vec3 variance(0);
+    glm::vec3 variance(0), mean(0);
     int pixels = 0;
     for (int v = std::max(y - k_reach, 0); v <= std::min(y + k_reach, size_.height - 1); ++v)
         for (int u = std::max(x - k_reach, 0); u <= std::min(x + k_reach, size_.width - 1); ++u) {
             if (!active(u, v)) continue;
             const float *const sum = sums_.pixel(u, v), *const square = squares_.pixel(u, v);
-            for (int c = 0; c < 3; ++c) variance[c] += std::max(square[c] - sum[c] * sum[c] / n, 0.0f);
+            for (int c = 0; c < 3; ++c) mean[c] += sum[c], variance[c] += std::max(square[c] - sum[c] * sum[c] / n, 0.0f);
             ++pixels;
         }
     variance /= static_cast<float>(pixels) * (n - 1);
-    const float* const sum = sums_.pixel(x, y);
-    const glm::vec3 mean = glm::vec3(sum[0], sum[1], sum[2]) / n;
+    mean /= static_cast<float>(pixels) * n;
     const glm::vec3 error = glm::sqrt(variance) / std::pow(n, k_convergence);
-    return shading::difference(shading::shown(mean + error, exposure_), shading::shown(mean, exposure_));
+    return shading::difference(displayed(exposure_ * (mean + error)), displayed(exposure_ * mean));
 }
 
 void Blur::add(int x, int y, const float* values)

@@ -51,7 +51,7 @@ struct BlurOptions {
     scene::Lens lens{.radius = 0};
     int samples = 0;                     // of each touched pixel; 0: in rounds
     bool random = false;                 // for measurements: independent random samples
-    float error = 0.015f;                // of a pixel, as shading::shown() has it, above which it takes more samples
+    float error = 0.01f;                 // of a pixel, where 1 is a display's white, above which it takes more samples
     float blurred_from = 0.5f;           // diameter in pixels from which on what is out of focus counts
     float near = 0.5f;                   // distance, in diagonals of its box, within which a moving object changes light
 };
