@@ -60,8 +60,8 @@ void FrameEngine::blur_traced(trace::Blur& blur, const Shutter& shutter, const t
                 pose(time);
                 view = shutter.view_at(*state_, time);
             }
-            add(counters, trace::trace_blurred(*state_, *rays_, view, options, tasks, buffers_->times, techniques, blur,
-                                               k));
+            add(counters,
+                trace::trace_blurred(*state_, *rays_, view, options, tasks, buffers_->times, techniques, blur, k));
         }
     }
     if (posed_) {
@@ -86,8 +86,7 @@ FrameCounters FrameEngine::blur_raster(const scene::View& view, const Shutter& s
         std::vector<ImageF*> result{&buffers_->color};
         if (options_.background != BackgroundKind::environment) result.push_back(&buffers_->alpha);
         if (options_.layers)
-            result.insert(result.end(),
-                          {&buffers_->direct, &buffers_->indirect, &buffers_->albedo, &buffers_->shadow});
+            result.insert(result.end(), {&buffers_->direct, &buffers_->indirect, &buffers_->albedo, &buffers_->shadow});
         return result;
     };
     const double middle = state_->time();

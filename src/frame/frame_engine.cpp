@@ -570,7 +570,8 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
         blur.emplace(find_motion(*state_, view, *request.shutter, places), blurs);
     }
     // Where all pixels are blurred, many samples at the shutter's middle would be in vain.
-    if (blur && blur->motion().everything) traced.samples = 1, traced.filter = filter_of(options_.filter, traced.adaptive);
+    if (blur && blur->motion().everything)
+        traced.samples = 1, traced.filter = filter_of(options_.filter, traced.adaptive);
     FrameCounters counters = trace::trace_frame(*state_, *rays_, view, traced, tasks, *buffers_, techniques,
                                                 request.log, {}, blur ? &*blur : nullptr);
     if (blur && blur->any()) blur_traced(*blur, *request.shutter, traced, techniques, tasks, counters);

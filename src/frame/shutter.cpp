@@ -12,8 +12,8 @@ namespace gnomon::frame {
 
 namespace {
 
-constexpr int k_probes = 9;            // times at which motion is looked for, the shutter's ends among them
-constexpr int k_grid = 15;             // places of an image a side
+constexpr int k_probes = 9;             // times at which motion is looked for, the shutter's ends among them
+constexpr int k_grid = 15;              // places of an image a side
 constexpr double k_camera_margin = 2;   // what moves past a camera may be nearer than the places that were looked at
 
 bool same_view(const scene::View& a, const scene::View& b)

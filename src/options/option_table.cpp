@@ -170,7 +170,7 @@ constexpr Option k_options[] = {
              "around it; auto: blackman-harris with --samples auto, else box"},
     {.name = "shutter", .argument = "DEGREES", .kind = Kind::number, .fallback = "0", .range = ranges::shutter,
      .subcommands = k_images, .group = k_quality,
-     .help = "motion blur: the shutter is open for this part of 360 of a frame's duration, around the frame's time; film "
+     .help = "motion blur: the shutter is open for this part of 360 of a frame's duration, around the frame's time; cinema "
              "has 180; 0: none"},
     {.name = "aperture", .argument = "F|LENGTHmm", .kind = Kind::text, .subcommands = k_images, .group = k_quality,
      .help = "depth of field: the lens by its f-number on a sensor 24 mm high, such as 2.8, or by its diameter, such as "

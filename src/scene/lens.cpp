@@ -32,8 +32,7 @@ void lens_ray(const View& view, const Lens& lens, float x, float y, const glm::v
     GNOMON_CHECK(!view.orthographic);
     const float sx = 2.0f * x / static_cast<float>(view.size.width) - 1.0f + view.shift.x;
     const float sy = 1.0f - 2.0f * y / static_cast<float>(view.size.height) + view.shift.y;
-    const glm::vec3 offset =
-        lens.radius * (at.x * glm::normalize(view.right) + at.y * glm::normalize(view.up));
+    const glm::vec3 offset = lens.radius * (at.x * glm::normalize(view.right) + at.y * glm::normalize(view.up));
     // Its length for each unit of depth: planes at the near and far distance are planes still.
     const glm::vec3 d = view.forward + sx * view.right + sy * view.up - offset / lens.focus;
     const float length = std::sqrt(glm::dot(d, d));

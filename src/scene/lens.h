@@ -16,7 +16,7 @@ struct Lens {
     bool sharp() const { return radius == 0; }
 };
 
-/// Height of the sensor that f-numbers refer to, in metres: that of 35 mm film.
+/// Height of the sensor that f-numbers refer to, in metres: that of a full-frame camera.
 inline constexpr double k_sensor_height = 0.024;
 
 /// The radius of a perspective view's lens of an f-number, in metres.

@@ -16,11 +16,13 @@ namespace gnomon::trace {
 
 namespace {
 
-// Samples of a pixel after each round.
-constexpr std::uint32_t k_totals[] = {k_first_blur_samples, 16, 32, 64, 128};
-constexpr int k_rounds = 5;
+// Samples of a pixel after each round, where many pixels are touched, and where few are: then poses cost more than
+// samples.
+constexpr std::array<std::uint32_t, 5> k_of_many{k_first_blur_samples, 16, 32, 64, 128};
+constexpr std::array<std::uint32_t, 3> k_of_few{k_first_blur_samples, 32, 128};
+constexpr std::uint64_t k_few = 4;       // one in so many pixels of the image
 constexpr float k_convergence = 0.85f;   // power of the samples' number by which their error falls; 0.5: of random ones
-constexpr int k_reach = 2;   // pixels around whose samples tell of a pixel's error
+constexpr int k_reach = 2;               // pixels around whose samples tell of a pixel's error
 
 std::uint32_t mixed(std::uint32_t x)
 {
@@ -63,8 +65,7 @@ constexpr int k_sobol_bits = 12;
 constexpr std::array<std::uint32_t, k_sobol_bits> third_directions()
 {
     std::array<std::uint32_t, k_sobol_bits> result{1u << 31, 3u << 30};
-    for (std::size_t i = 2; i < result.size(); ++i)
-        result[i] = result[i - 2] ^ (result[i - 2] >> 2) ^ result[i - 1];
+    for (std::size_t i = 2; i < result.size(); ++i) result[i] = result[i - 2] ^ (result[i - 2] >> 2) ^ result[i - 1];
     return result;
 }
 
@@ -142,7 +143,13 @@ void Blur::begin(Size size, int channels, float exposure)
 
 bool Blur::next_round(Tasks& tasks)
 {
-    if (!any_ || (round_ >= 0 && options_.samples > 0) || round_ + 1 == k_rounds) return false;
+    if (!any_ || (round_ >= 0 && round_ + 1 == static_cast<int>(totals_.size()))) return false;
+    if (round_ < 0) {
+        const auto pixels = static_cast<std::uint64_t>(size_.width) * static_cast<std::uint64_t>(size_.height);
+        const bool few = motion_.times > 1 && touched_pixels() * k_few < pixels;
+        few ? totals_.assign(k_of_few.begin(), k_of_few.end()) : totals_.assign(k_of_many.begin(), k_of_many.end());
+        if (options_.samples > 0) totals_ = {static_cast<std::uint32_t>(options_.samples)};
+    }
     // Go on with the pixels whose error is too large. Errors read the pixels that took part in the last round.
     Image8 next(size_.width, size_.height, 1);
     std::vector<char> found(static_cast<std::size_t>(size_.height), 0);
@@ -157,7 +164,7 @@ bool Blur::next_round(Tasks& tasks)
     active_ = std::move(next);
     ++round_;
     first_ = end_;
-    end_ = options_.samples > 0 ? static_cast<std::uint32_t>(options_.samples) : k_totals[round_];
+    end_ = totals_[static_cast<std::size_t>(round_)];
     use_times();
     for (int y = 0; y < size_.height; ++y)
         for (int x = 0; x < size_.width; ++x)
@@ -185,7 +192,8 @@ float Blur::error_at(int x, int y) const
         for (int u = std::max(x - k_reach, 0); u <= std::min(x + k_reach, size_.width - 1); ++u) {
             if (!active(u, v)) continue;
             const float *const sum = sums_.pixel(u, v), *const square = squares_.pixel(u, v);
-            for (int c = 0; c < 3; ++c) mean[c] += sum[c], variance[c] += std::max(square[c] - sum[c] * sum[c] / n, 0.0f);
+            for (int c = 0; c < 3; ++c)
+                mean[c] += sum[c], variance[c] += std::max(square[c] - sum[c] * sum[c] / n, 0.0f);
             ++pixels;
         }
     variance /= static_cast<float>(pixels) * (n - 1);
@@ -220,8 +228,8 @@ void Blur::finish(const std::vector<ImageF*>& layers, Tasks& tasks) const
         for (int y = top; y < std::min(top + tile_, size_.height); ++y)
             for (int x = left; x < std::min(left + tile_, size_.width); ++x) {
                 if (!touched(x, y)) continue;
-                const int taken = *rounds_.pixel(x, y) - 1;
-                const auto n = static_cast<float>(options_.samples > 0 ? end_ : k_totals[taken - 1]);
+                const std::size_t taken = *rounds_.pixel(x, y) - std::size_t{1};
+                const auto n = static_cast<float>(totals_[taken - 1]);
                 const float* const sum = sums_.pixel(x, y);
                 for (std::size_t c = 0; c < mean.size(); ++c) mean[c] = sum[c] / n;
                 if (all)

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Motion blur and depth of field of the traced frame: samples of time and lens where something moves or is out of focus.
+// Motion blur and depth of field of the traced frame: samples of time and lens where something moves or is out of
+// focus.
 //
 // 1. The frame is traced as without them, at the shutter's middle and by the lens's centre.
 // 2. Pixels are touched if a moving object may be seen, may cast a shadow or may be mirrored in them, or if something
 //    that is out of focus is seen there or may reach into them (Blur::select()). All others stay as they are, bit for
 //    bit.
-// 3. Touched pixels get samples in rounds: 8, 16, 32, 64 and 128 in all. After a round, those go on whose samples, and those of
-//    the pixels around, still differ too much (Blur::next_round()).
+// 3. Touched pixels get samples in rounds: 8, 16, 32, 64 and 128 in all; 8, 32 and 128 where few
+//    pixels are touched and the scene is posed, because each round poses it anew. After a round, those go on whose
+//    samples, and those of the pixels around, still differ too much (Blur::next_round()).
 // 4. Each touched pixel becomes the mean of its samples, in linear light, so that what is blurred keeps its energy.
 //
 // Times are discrete: the scene is posed at up to 64 times of the shutter, in strata of equal length, one after the
@@ -49,11 +51,11 @@ struct BlurMotion {
 
 struct BlurOptions {
     scene::Lens lens{.radius = 0};
-    int samples = 0;                     // of each touched pixel; 0: in rounds
-    bool random = false;                 // for measurements: independent random samples
-    float error = 0.01f;                 // of a pixel, where 1 is a display's white, above which it takes more samples
-    float blurred_from = 0.5f;           // diameter in pixels from which on what is out of focus counts
-    float near = 0.5f;                   // distance, in diagonals of its box, within which a moving object changes light
+    int samples = 0;             // of each touched pixel; 0: in rounds
+    bool random = false;         // for measurements: independent random samples
+    float error = 0.01f;         // of a pixel, where 1 is a display's white, above which it takes more samples
+    float blurred_from = 0.5f;   // diameter in pixels from which on what is out of focus counts
+    float near = 0.5f;           // distance, in diagonals of its box, within which a moving object changes light
 };
 
 /// Where and when a sample is taken.
@@ -62,7 +64,8 @@ struct BlurSample {
     glm::vec2 lens{0};        // in the unit disc
     int time = 0;             // number of the pose
 };
-/// The sample of that number of a pixel. The first 8, 16, 32, 64 and 128 are each well spread over time, lens and pixel.
+/// The sample of that number of a pixel. The first 8, 16, 32, 64 and 128 are each well spread over time, lens and
+/// pixel.
 BlurSample blur_sample(const glm::ivec2& pixel, std::uint32_t number, int times, bool random);
 
 class Blur {
@@ -121,13 +124,14 @@ class Blur {
     Size size_{};
     bool any_ = false;
     int round_ = -1;
+    std::vector<std::uint32_t> totals_;   // samples of a pixel after each round
     std::uint32_t first_ = 0, end_ = 0;
     std::vector<char> used_;   // by time
     float exposure_ = 1;
-    Image8 rounds_;         // 0: not touched; else 1 and the rounds that were taken
-    Image8 active_;         // of the round
-    ImageF sums_;           // of samples
-    ImageF squares_;        // of their colours
+    Image8 rounds_;    // 0: not touched; else 1 and the rounds that were taken
+    Image8 active_;    // of the round
+    ImageF sums_;      // of samples
+    ImageF squares_;   // of their colours
     std::optional<image::SampleSums> others_;
     image::SampleWeights centre_;
     int tile_ = 32;

@@ -71,7 +71,7 @@ float square_distance(const Box3& box, const glm::vec3& point)
 struct Caster {
     glm::vec3 at{0};   // position, or for a directional light the direction towards it
     bool directional = false;
-    Box3 box;          // of a light with size; empty: none
+    Box3 box;   // of a light with size; empty: none
 };
 
 std::vector<Caster> casters_of(const scene::SceneState& state, const scene::SizedLights* sized)

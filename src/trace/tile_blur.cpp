@@ -25,8 +25,8 @@ void TileTracer::blur(const Tile& tile, Blur& blur, int time)
     blur_ = &blur;
     std::vector<float> values(static_cast<std::size_t>(blur.channels()));
     for (std::size_t begin = 0; begin < wanted.size(); begin += count) {
-        const auto some = std::span<const FurtherSample>(wanted).subspan(
-            begin, std::min<std::size_t>(count, wanted.size() - begin));
+        const auto some =
+            std::span<const FurtherSample>(wanted).subspan(begin, std::min<std::size_t>(count, wanted.size() - begin));
         shade_blurred(some, blur);
         for (std::size_t i = 0; i < some.size(); ++i) {
             values_of(i, values.data());

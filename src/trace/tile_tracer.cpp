@@ -20,7 +20,7 @@ constexpr std::uint32_t k_lobe_batches = 8;   // of random rays: their spread is
 constexpr int k_blurred_lobe_rays = 2;        // a power of two
 constexpr std::uint32_t k_lobe_blocks = shading::k_lobe_interleave * shading::k_lobe_interleave;
 constexpr float k_least_mirrored = 0.1f;   // share of a surface's light that comes from others, of a mirror
-constexpr float k_least_cosine = 0.1f;        // of the view, for the pixel's footprint
+constexpr float k_least_cosine = 0.1f;     // of the view, for the pixel's footprint
 
 // The mean radiance of a sky over the directions above a level surface, weighted by their cosines.
 glm::vec3 open_sky_radiance(scene::Background sky)
@@ -45,8 +45,7 @@ float largest(const glm::vec3& v)
 bool mirrors(const shading::Continuation& next)
 {
     return std::max({largest(next.reflected_weight), largest(next.refracted_weight), largest(next.straight_weight),
-                     largest(next.lobe_weight)}) >
-           k_least_mirrored;
+                     largest(next.lobe_weight)}) > k_least_mirrored;
 }
 
 int power_of_two_from(int x)
@@ -649,8 +648,7 @@ void TileTracer::trace_lobes(int sample, Stopwatch& watch)
             const glm::ivec2 at = pixel_of_image(point.pixel);
             LobePath path{1, 0, static_cast<float>(rays)};
             if (!options_.random_lobes) {
-                std::uint32_t block =
-                    shading::lobe_block(at.x, at.y) * samples + static_cast<std::uint32_t>(sample);
+                std::uint32_t block = shading::lobe_block(at.x, at.y) * samples + static_cast<std::uint32_t>(sample);
                 if (blur_) block = shading::lobe_block(at.x, at.y) + k_lobe_blocks * samples_[point.pixel].number;
                 queue_lobe(point, block * rays, glm::uvec2(0), rays, path, 1);
                 continue;

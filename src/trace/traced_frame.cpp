@@ -110,8 +110,8 @@ class Pass {
     /// Sums what the threads counted, and lets the techniques learn from what their workers found.
     FrameCounters end();
 
-    LobeImage* lobes = nullptr;                   // of the tracers
-    shading::CentreSamples* centres = nullptr;    // likewise
+    LobeImage* lobes = nullptr;                  // of the tracers
+    shading::CentreSamples* centres = nullptr;   // likewise
 
  private:
     const FrameContext& frame_;
@@ -203,7 +203,6 @@ FrameCounters Pass::end()
     watch.end(FrameTimes::indirect);
     return counters;
 }
-
 
 float exposure_of(const shading::FrameBuffers& out, const TracedOptions& options)
 {

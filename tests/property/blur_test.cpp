@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Motion blur and depth of field: their closed forms, what they leave alone, and the same bytes however a frame is made.
+// Motion blur and depth of field: their closed forms, what they leave alone, and the same bytes however a frame is
+// made.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -142,8 +143,7 @@ TEST(MotionBlur, AMovingCameraBlursAsTheSceneWould)
     RenderOptions options = options_of(64);
     options.shutter = 180;
     const Frame frame = frame_of(by_camera, options);
-    for (int x = 0; x < 64; ++x)
-        EXPECT_NEAR(frame.layer("")->value(x, 32), coverage(x, 22, 42, 16), 1.0 / 64) << x;
+    for (int x = 0; x < 64; ++x) EXPECT_NEAR(frame.layer("")->value(x, 32), coverage(x, 22, 42, 16), 1.0 / 64) << x;
 }
 
 // At the clip's first frame, nothing has moved before it.
@@ -163,11 +163,10 @@ TEST(MotionBlur, NothingMovesBeforeTheClip)
 TEST(MotionBlur, WhatStandsStillHasTheSameBytes)
 {
     // A moving square on the left, still ones on the right, lit, with a shadow far from the latter.
-    const Scene scene =
-        boards({{.side = 8, .at = {-20, 16, -5}, .speed = {6 * 48, 0, 0}},
-                {.color = {0.3f, 0.6f, 0.2f}, .side = 9.3f, .at = {18, -7.2, -6}},
-                {.color = {0.8f, 0.1f, 0.2f}, .side = 6.1f, .at = {15, -12.7, -4}}},
-               64);
+    const Scene scene = boards({{.side = 8, .at = {-20, 16, -5}, .speed = {6 * 48, 0, 0}},
+                                {.color = {0.3f, 0.6f, 0.2f}, .side = 9.3f, .at = {18, -7.2, -6}},
+                                {.color = {0.8f, 0.1f, 0.2f}, .side = 6.1f, .at = {15, -12.7, -4}}},
+                               64);
     for (const int samples : {1, 4, k_adaptive_samples}) {
         RenderOptions options = options_of(samples);
         const Frame still = frame_of(scene, options);
@@ -343,7 +342,9 @@ TEST(Blur, AdaptiveSamplesErrLessThanAsManyRandomOnes)
         Random random_boards(7);
         std::vector<Board> made;
         for (int i = 0; i < 24; ++i) {
-            const auto at = [&](float low, float high) { return static_cast<double>(random_boards.uniform(low, high)); };
+            const auto at = [&](float low, float high) {
+                return static_cast<double>(random_boards.uniform(low, high));
+            };
             const glm::vec3 color(at(0, 1), at(0, 1), at(0, 1));
             const double depth = at(3, 12);
             made.push_back({.color = color,
