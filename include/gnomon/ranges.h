@@ -25,6 +25,10 @@ inline constexpr Range turntable_seconds{0.001, 1e6};           // and 0: off
 inline constexpr Range sun_size{0, 45};                         // degrees
 inline constexpr Range max_depth{0, 64};                        // reflections and refractions
 inline constexpr Range samples{1, 4096};                        // per pixel
+inline constexpr Range shutter{0, 360};                         // degrees
+inline constexpr Range f_number{0.1, 1000};                     // and 0: none
+inline constexpr Range aperture{0.001, 10000};                  // millimetres, and 0: none
+inline constexpr Range focus{1e-6, 1e9};                        // metres
 inline constexpr Range exposure{-100, 100};                     // stops
 inline constexpr Range shadow_filter{0, 64};                    // texels
 inline constexpr Range spp{1, 1 << 24};                         // paths per pixel

@@ -53,7 +53,18 @@ struct RenderOptions {
     int max_depth = 10;                            // longest chain of reflections and refractions
     int samples = 1;                               // per pixel, or k_adaptive_samples
     PixelFilter filter = PixelFilter::automatic;   // of traced frames; the rasteriser has automatic and box
-    std::optional<double> exposure{};              // stops; none: automatic, from this frame only
+    /// Motion blur: the angle by which a rotating shutter is open, in degrees; cinema has 180. It is open for this part
+    /// of 360 of a frame's duration, around the frame's time, which is its middle. 0: frames show one moment. Not with
+    /// references, overlays and ShadowCulling::paper; so for the aperture.
+    double shutter = 0;
+    /// Depth of field: the lens as its focal length divided by its diameter (2.8 is f/2.8), on a sensor 24 mm high, or
+    /// its diameter in millimetres; the scene's unit is the metre. 0 and 0: everything is sharp. Not both.
+    double f_number = 0;
+    double aperture = 0;
+    /// Distance of what is sharp, in metres along the view's axis; none: the median of what the middle of the image
+    /// shows.
+    std::optional<double> focus{};
+    std::optional<double> exposure{};   // stops; none: automatic, from this frame only
     ToneMap tonemap = ToneMap::neutral;
     /// Mirrors and refracting bodies show the scene's own surroundings in any case.
     BackgroundKind background = BackgroundKind::environment;

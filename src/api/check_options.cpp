@@ -38,6 +38,24 @@ void check_known(std::string_view what, Enum value, Enum last)
         throw UsageError(fmt::format("{} is {}, which its type does not have", what, number));
 }
 
+void check_lens_and_shutter(const RenderOptions& o)
+{
+    check_range("the shutter is", o.shutter, ranges::shutter, " degrees");
+    if (o.f_number != 0) check_range("the f-number is", o.f_number, ranges::f_number);
+    if (o.aperture != 0) check_range("the aperture is", o.aperture, ranges::aperture, " mm");
+    if (o.f_number != 0 && o.aperture != 0)
+        throw UsageError("the aperture is given twice: as an f-number and in millimetres");
+    const bool has_lens = o.f_number != 0 || o.aperture != 0;
+    if (o.focus) check_range("the focus is", *o.focus, ranges::focus, " m");
+    if (o.focus && !has_lens) throw UsageError("a focus needs an aperture: without one, everything is sharp");
+    if (o.shutter == 0 && !has_lens) return;
+    const char* const what = has_lens ? "depth of field" : "motion blur";
+    if (o.reference) throw UsageError(fmt::format("{} needs a frame without a reference", what));
+    if (o.overlay != Overlay::none) throw UsageError(fmt::format("{} needs a frame without an overlay", what));
+    if (o.shadow_culling == ShadowCulling::paper)
+        throw UsageError(fmt::format("{} is not there with the shadow culling of the paper", what));
+}
+
 }   // namespace
 
 void check_range(std::string_view what, double value, const Range& range, std::string_view unit)
@@ -64,6 +82,7 @@ void check_options(const RenderOptions& o)
     check_known("the pixel filter", o.filter, PixelFilter::blackman_harris);
     if (o.renderer == RenderMethod::raster && o.filter != PixelFilter::automatic && o.filter != PixelFilter::box)
         throw UsageError("a filter wider than the pixel is one of traced frames: not with the rasteriser");
+    check_lens_and_shutter(o);
     if (o.reference) {
         check_range("spp is", o.reference->spp, ranges::spp);
         check_range("bounces are", o.reference->bounces, ranges::reference_bounces);

@@ -62,6 +62,7 @@ struct Renderer::Impl {
     Wanted check(const Scene& scene, const FrameInput& input) const;
     std::optional<double> turn_of(const Scene& scene, const FrameInput& input, int frame) const;
     scene::View make_view(const Wanted& wanted, const FrameInput& input, PlacedCamera& placed);
+    std::optional<frame::Shutter> shutter_of(const Scene& scene, const Wanted& wanted, const FrameInput& input);
     std::optional<scene::View> view_before(const Scene& scene, const Wanted& wanted, const FrameInput& input,
                                            bool is_first);
     const Scene::Impl& last_scene() const;
@@ -361,6 +362,26 @@ std::optional<scene::View> Renderer::Impl::view_before(const Scene& scene, const
     return engine.view_in(before, wanted.scene_camera, wanted.size, turn);
 }
 
+// When the shutter is open, around the frame's time, and where the camera is meanwhile.
+std::optional<frame::Shutter> Renderer::Impl::shutter_of(const Scene& scene, const Wanted& wanted,
+                                                         const FrameInput& input)
+{
+    if (options.shutter == 0 && options.f_number == 0 && options.aperture == 0) return {};
+    frame::Shutter shutter;
+    const double half = 0.5 * options.shutter / 360 / scene.fps();
+    shutter.open = wanted.time - half, shutter.close = wanted.time + half;
+    if (!input.time) shutter.first = scene.time_of(1), shutter.last = scene.time_of(scene.frame_count());
+    shutter.host = &host.values();
+    const bool turns = options.turntable_seconds > 0 && !input.time;
+    shutter.view_at = [this, &wanted, turns](const scene::SceneState& state, double time) {
+        if (wanted.camera) return scene::make_view(*wanted.camera, wanted.camera_to_world, wanted.size);
+        std::optional<double> turn = wanted.turn;
+        if (turns) turn = *turn + 2 * k_pi * (time - wanted.time) / options.turntable_seconds;
+        return engine.view_in(state, wanted.scene_camera, wanted.size, turn);
+    };
+    return shutter;
+}
+
 Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const Progress& progress)
 {
     Interruption interruption(progress);
@@ -383,6 +404,7 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
     const scene::View view = make_view(wanted, input, placed);
     frame::RenderRequest request;
     request.previous_view = view_before(scene, wanted, input, is_first);
+    request.shutter = shutter_of(scene, wanted, input);
     const frame::Shown shown = engine.shown();
     if (shown == frame::Shown::shadow_states) request.overlay_lights = api::overlay_lights(inside, options);
     request.indirect_ray_limit = input.indirect_ray_limit;

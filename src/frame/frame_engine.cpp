@@ -236,6 +236,8 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
         check_memory("the caches");
         interruption_point();
     } catch (const InterruptedError&) {
+        // A cache may have missed one of the shutter's times.
+        if (posed_) discard_caches();
         guard.succeed();   // scene and rays are as they should be; the next call replaces the caches
         throw;
     }
@@ -402,7 +404,11 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
                      "the layers of the image");
     }
     try {
-        FrameCounters counters = plan_.raster ? render_raster(view) : render_traced(view, request);
+        list_changes();
+        const bool blurs = plan_.raster && request.shutter && can_blur();
+        FrameCounters counters = blurs          ? blur_raster(view, *request.shutter)
+                                 : plan_.raster ? render_raster(view)
+                                                : render_traced(view, request);
         trace_centres(request);
         make_report(last.get());
         check_memory("the caches");
@@ -449,10 +455,11 @@ void FrameEngine::trace_centres(const RenderRequest& request)
     watch.end(FrameTimes::rays);
 }
 
-// Lists what this frame changed.
-void FrameEngine::make_report(const shading::FrameBuffers* before)
+// Lists what this frame changed, as long as the state knows.
+void FrameEngine::list_changes()
 {
     report_ = {};
+    posed_ = false;
     report_.everything = !follows_frame_;
     if (follows_frame_) {
         const scene::FrameChanges& changes = state_->changes();
@@ -462,6 +469,10 @@ void FrameEngine::make_report(const shading::FrameBuffers* before)
                        changes.lights_relit.end(), std::back_inserter(report_.lights));
         report_.materials = changes.materials_changed;
     }
+}
+
+void FrameEngine::make_report(const shading::FrameBuffers* before)
+{
     has_image_ = plan_.shown == Shown::light;
     if (!options_.report_changes || !has_image_) return;
     static const ImageF none;
@@ -551,8 +562,19 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
         traced.lobe_rays = std::max(1, options_.reference->spp / 4);
         traced.lobe_seed = options_.reference->seed;
     }
-    FrameCounters counters =
-        trace::trace_frame(*state_, *rays_, view, traced, tasks, *buffers_, techniques, request.log);
+    std::optional<trace::Blur> blur;
+    if (request.shutter && can_blur()) {
+        const SeenPlaces places = see_places(*rays_, view);
+        trace::BlurOptions blurs{.lens = find_lens(view, options_, places), .samples = std::max(options_.samples, 0)};
+        blurs.random = request.random_blur;
+        blur.emplace(find_motion(*state_, view, *request.shutter, places), blurs);
+    }
+    // Where all pixels are blurred, many samples at the shutter's middle would be in vain.
+    if (blur && blur->motion().everything)
+        traced.samples = 1, traced.filter = filter_of(options_.filter, traced.adaptive);
+    FrameCounters counters = trace::trace_frame(*state_, *rays_, view, traced, tasks, *buffers_, techniques,
+                                                request.log, {}, blur ? &*blur : nullptr);
+    if (blur && blur->any()) blur_traced(*blur, *request.shutter, traced, techniques, tasks, counters);
     if (accelerator_ == Accelerator::kdtree) count_kdtree(counters);
     return counters;
 }

@@ -25,6 +25,7 @@
 #include "frame/frame_memory.h"
 #include "frame/host_values.h"
 #include "frame/rasterizer.h"
+#include "frame/shutter.h"
 #include "gnomon/renderer.h"
 #include "irradiance_cache/irradiance_cache.h"
 #include "light_quadtree/map_light.h"
@@ -36,6 +37,7 @@
 #include "trace/proven_visibility.h"
 #include "trace/state_map.h"
 #include "trace/trace_log.h"
+#include "trace/traced_frame.h"
 
 namespace gnomon::frame {
 
@@ -66,6 +68,8 @@ struct RenderRequest {
     std::uint64_t indirect_ray_limit = 0;   // IrradianceCache::limit_rays(); 0: none
     /// From move_previous(): the frame before, for the layer of motion. None: nothing moved.
     std::optional<scene::View> previous_view{};
+    std::optional<Shutter> shutter{};   // of RenderOptions::shutter and aperture; none: neither
+    bool random_blur = false;           // for measurements: BlurOptions::random
     // For measurements, with no technique that keeps a cache.
     Tasks* tasks = nullptr;           // these threads instead of the engine's
     trace::TraceLog* log = nullptr;   // takes the frame's rays; needs a single thread
@@ -197,6 +201,12 @@ class FrameEngine {
     void fit_rasterizer(const RenderOptions& options);
     FrameCounters render_raster(const scene::View& view);
     bool uses_environment() const;
+    void list_changes();
+    void pose(double time);
+    bool can_blur() const;
+    void blur_traced(trace::Blur& blur, const Shutter& shutter, const trace::TracedOptions& options,
+                     const trace::Techniques& techniques, Tasks& tasks, FrameCounters& counters);
+    FrameCounters blur_raster(const scene::View& view, const Shutter& shutter);
     FrameCounters render_traced(const scene::View& view, const RenderRequest& request);
     void check_memory(std::string_view what) const;
     void count_kdtree(FrameCounters& counters) const;
@@ -232,6 +242,7 @@ class FrameEngine {
     scene::View view_;                                  // of the last frame
     bool has_frame_ = false;                            // see has_frame()
     bool follows_frame_ = false;                        // the last advance() started from a complete frame
+    bool posed_ = false;                                // the last frame moved through its shutter's times
     bool has_image_ = false;                            // the last frame's image lies in buffers_ as it was rendered
     EngineReport report_;                               // of the last frame
     std::unique_ptr<scene::SceneState> state_before_;   // see move_previous()

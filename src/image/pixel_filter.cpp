@@ -52,10 +52,11 @@ SampleSums::SampleSums(Size size, int tile, int channels, float white)
     sums_.assign(tile_floats_ * static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0);
 }
 
-void SampleSums::add(std::size_t tile, int x, int y, const SampleWeights& weights, float share, const float* values)
+void SampleSums::add(std::size_t tile, int x, int y, const SampleWeights& weights, float share, const float* values,
+                     LightWeight counts)
 {
     const float light = luminance(glm::vec3(values[0], values[1], values[2]));
-    const float dimmed = light > white_ ? white_ / light : 1.0f;
+    const float dimmed = counts == LightWeight::shown && light > white_ ? white_ / light : 1.0f;
 
     // Add to the pixel and its neighbours. The border makes room for all of them.
     float* const first = sums_.data() + tile * tile_floats_;

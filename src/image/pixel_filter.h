@@ -16,6 +16,7 @@
 // Cost: up to 9 multiplications for each sample and channel. Memory: all channels and two weights, 1.13 times.
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -39,6 +40,9 @@ struct SampleWeights {
 /// @param offset  position in the pixel, 0 to 1
 SampleWeights sample_weights(PixelFilter filter, const glm::vec2& offset);
 
+/// How light above the display's white counts: less, as above, or as it is.
+enum class LightWeight : std::uint8_t { shown, linear };
+
 class SampleSums {
  public:
     /// @param tile      pixels a side
@@ -50,7 +54,8 @@ class SampleSums {
     /// @param tile    its number, row by row
     /// @param x, y    pixel in the tile
     /// @param share   of the pixel's area that it stands for
-    void add(std::size_t tile, int x, int y, const SampleWeights& weights, float share, const float* values);
+    void add(std::size_t tile, int x, int y, const SampleWeights& weights, float share, const float* values,
+             LightWeight light = LightWeight::shown);
 
     /// Calls sink(x, y, values) for each pixel of a tile, in image coordinates, once all samples are added.
     void resolve(std::size_t tile, const std::function<void(int x, int y, const float* values)>& sink) const;

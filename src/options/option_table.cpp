@@ -191,6 +191,16 @@ constexpr Option k_options[] = {
      .subcommands = k_images, .group = k_quality,
      .help = "how samples make a pixel. box: their mean; gaussian, blackman-harris: smooth, with those of the pixels "
              "around it; auto: blackman-harris with --samples auto, else box"},
+    {.name = "shutter", .argument = "DEGREES", .kind = Kind::number, .fallback = "0", .range = ranges::shutter,
+     .subcommands = k_images, .group = k_quality,
+     .help = "motion blur: the shutter is open for this part of 360 of a frame's duration, around the frame's time; cinema "
+             "has 180; 0: none"},
+    {.name = "aperture", .argument = "F|LENGTHmm", .kind = Kind::text, .subcommands = k_images, .group = k_quality,
+     .help = "depth of field: the lens by its f-number on a sensor 24 mm high, such as 2.8, or by its diameter, such as "
+             "12mm; a scene's unit is the metre (default: none, everything is sharp)"},
+    {.name = "focus", .argument = "METRES|auto", .kind = Kind::number_or_auto, .fallback = "auto", .range = ranges::focus,
+     .subcommands = k_images, .group = k_quality,
+     .help = "with --aperture: distance of what is sharp; auto: of what the middle of the image shows, frame by frame"},
     {.name = "memory", .argument = "MB", .kind = Kind::integer, .fallback = "0", .range = ranges::memory,
      .subcommands = k_images | bit(info), .group = k_quality,
      .help = "limit of what the scene's file may ask for (0: 2048 MB): textures beyond it are halved, for anything else the "

@@ -38,6 +38,19 @@ void read_background(const std::string& text, RenderOptions& options)
     }
 }
 
+// Reads an f-number, or a diameter that ends in mm.
+void read_aperture(const std::string& text, RenderOptions& options)
+{
+    const bool is_length = text.ends_with("mm");
+    std::string number = is_length ? text.substr(0, text.size() - 2) : text;
+    if (!is_length && number.starts_with("f/")) number.erase(0, 2);
+    const std::optional<double> value = parse_number(number);
+    const Range range = is_length ? ranges::aperture : ranges::f_number;
+    if (!value || !range.contains(*value))
+        throw UsageError("--aperture: expected an f-number such as 2.8, or a diameter such as 12mm");
+    (is_length ? options.aperture : options.f_number) = *value;
+}
+
 }   // namespace
 
 std::optional<bool> read_ground(const OptionValues& values)
@@ -84,6 +97,10 @@ RenderOptions read_render_options(const OptionValues& values)
     }
     options.samples = values.text("samples") == "auto" ? k_adaptive_samples : values.integer("samples");
     options.filter = values.choice<PixelFilter>("filter");
+    options.shutter = values.number("shutter");
+    if (values.given("aperture")) read_aperture(values.text("aperture"), options);
+    if (values.given("focus") && !values.given("aperture")) throw UsageError("--focus needs --aperture");
+    if (values.given("focus") && values.text("focus") != "auto") options.focus = values.number("focus");
     if (!values.text("exposure").starts_with("auto")) options.exposure = values.number("exposure");
     options.tonemap = values.choice<ToneMap>("tonemap");
     read_background(values.text("background"), options);

@@ -26,6 +26,7 @@ struct CentreSample {
     glm::vec3 reflectance{1};                                   // diffuse and specular
     float width = 0;                                            // of the pixel at the surface, across the view
     std::uint32_t object = 0xffffffff, material = 0xffffffff;   // the highest number: it met nothing
+    bool mirrors = false;   // part of its light comes from other surfaces, which it mirrors or lets through
 };
 
 struct RefineOptions {

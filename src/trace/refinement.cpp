@@ -13,7 +13,8 @@ void RefinedPixels::select(const Refinement& refinement, Tasks& tasks)
         interruption_point();
         const int y = static_cast<int>(row);
         for (int x = 0; x < state_.width; ++x)
-            if (refinement.centres.needs_more(x, y, refinement.single.color, refinement.options))
+            if (*state_.pixel(x, y) != k_left_out &&
+                refinement.centres.needs_more(x, y, refinement.single.color, refinement.options))
                 *state_.pixel(x, y) = k_selected;
     });
 }

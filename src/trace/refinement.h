@@ -58,13 +58,16 @@ class RefinedPixels {
     /// @param found  a surface that no pixel around it has at its centre
     void set_refined(const glm::ivec2& at, bool found) { *state_.pixel(at.x, at.y) = found ? k_found : k_refined; }
 
+    /// A pixel that is made otherwise: it takes no part.
+    void leave_out(int x, int y) { *state_.pixel(x, y) = k_left_out; }
+
     bool selected(int x, int y) const { return *state_.pixel(x, y) == k_selected; }
     /// It has one sample, or is selected for a round that was not made.
     bool single(int x, int y) const { return *state_.pixel(x, y) <= k_selected; }
 
  private:
     // A pixel that found a surface becomes a refined one when it has selected its neighbours.
-    static constexpr std::uint8_t k_single = 0, k_selected = 1, k_found = 2, k_refined = 3;
+    static constexpr std::uint8_t k_single = 0, k_selected = 1, k_found = 2, k_refined = 3, k_left_out = 4;
     Image8 state_;
 };
 

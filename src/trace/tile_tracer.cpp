@@ -17,7 +17,10 @@ namespace {
 
 constexpr std::size_t k_lobe_rays_at_once = 16384;
 constexpr std::uint32_t k_lobe_batches = 8;   // of random rays: their spread is the error
-constexpr float k_least_cosine = 0.1f;        // of the view, for the pixel's footprint
+constexpr int k_blurred_lobe_rays = 2;        // a power of two
+constexpr std::uint32_t k_lobe_blocks = shading::k_lobe_interleave * shading::k_lobe_interleave;
+constexpr float k_least_mirrored = 0.1f;   // share of a surface's light that comes from others, of a mirror
+constexpr float k_least_cosine = 0.1f;     // of the view, for the pixel's footprint
 
 // The mean radiance of a sky over the directions above a level surface, weighted by their cosines.
 glm::vec3 open_sky_radiance(scene::Background sky)
@@ -36,6 +39,13 @@ glm::vec3 open_sky_radiance(scene::Background sky)
 float largest(const glm::vec3& v)
 {
     return std::max({v.x, v.y, v.z});
+}
+
+// Whether a surface shows others.
+bool mirrors(const shading::Continuation& next)
+{
+    return std::max({largest(next.reflected_weight), largest(next.refracted_weight), largest(next.straight_weight),
+                     largest(next.lobe_weight)}) > k_least_mirrored;
 }
 
 int power_of_two_from(int x)
@@ -309,10 +319,9 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
             points_.pop_back();
             continue;
         }
-        if (primary && centres_ && sample == 0 && !refinement_) {
-            const glm::ivec2 at = tile_.pixel_of_image(point.pixel);
-            centres_->at(at.x, at.y) = centre_sample(s, hits_.object[i], hits_.triangle[i]);
-        }
+        const bool is_centre = primary && centres_ && sample == 0 && !shades_further();
+        const glm::ivec2 centre = is_centre ? tile_.pixel_of_image(point.pixel) : glm::ivec2(0);
+        if (is_centre) centres_->at(centre.x, centre.y) = centre_sample(s, hits_.object[i], hits_.triangle[i]);
         if (s.layered) point.throughput *= shading::attenuation(s, hits_.t[i]);
 
         point.next = shading::continue_from(s);
@@ -327,6 +336,8 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
             point.coat_glossy = true;
             point.next.unresolved_weight -= point.next.coat_unresolved;
         }
+
+        if (is_centre) centres_->at(centre.x, centre.y).mirrors = mirrors(point.next);
 
         // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
         glm::vec3 own = unlit_behind;
@@ -608,7 +619,7 @@ void TileTracer::keep_lobes(int sample)
         if (refinement_ && take_lobe(point, shadow_points_[static_cast<std::size_t>(&point - points_.data())]))
             continue;
         lobe_points_.push_back(point);
-        if (!lobes_ || refinement_) continue;
+        if (!lobes_ || shades_further()) continue;
         const glm::ivec2 at = pixel_of_image(point.pixel);
         LobePixel& pixel = lobes_->at(at.x, at.y);
         pixel.weight += point.throughput * point.next.lobe_weight;
@@ -625,7 +636,8 @@ void TileTracer::keep_lobes(int sample)
 // Traces the rays of the kept points, and what follows from them, some points at a time.
 void TileTracer::trace_lobes(int sample, Stopwatch& watch)
 {
-    const auto rays = static_cast<std::uint32_t>(rays_of_lobe_);
+    // The samples of time and lens have few rays each, and patterns of their own.
+    const auto rays = static_cast<std::uint32_t>(blur_ ? std::min(rays_of_lobe_, k_blurred_lobe_rays) : rays_of_lobe_);
     const std::size_t at_once = std::max<std::size_t>(k_lobe_rays_at_once / std::max(rays, 1u), 1);
     const auto samples = static_cast<std::uint32_t>(power_of_two_from(options_.samples));
     for (std::size_t begin = 0; begin < lobe_points_.size(); begin += at_once) {
@@ -636,8 +648,8 @@ void TileTracer::trace_lobes(int sample, Stopwatch& watch)
             const glm::ivec2 at = pixel_of_image(point.pixel);
             LobePath path{1, 0, static_cast<float>(rays)};
             if (!options_.random_lobes) {
-                const std::uint32_t block =
-                    shading::lobe_block(at.x, at.y) * samples + static_cast<std::uint32_t>(sample);
+                std::uint32_t block = shading::lobe_block(at.x, at.y) * samples + static_cast<std::uint32_t>(sample);
+                if (blur_) block = shading::lobe_block(at.x, at.y) + k_lobe_blocks * samples_[point.pixel].number;
                 queue_lobe(point, block * rays, glm::uvec2(0), rays, path, 1);
                 continue;
             }

@@ -7,6 +7,7 @@
 #include "base/stopwatch.h"
 #include "shading/layers.h"
 #include "shading/lobe_rays.h"
+#include "trace/blur.h"
 #include "trace/environment_lighting.h"
 #include "trace/indirect_light.h"
 #include "trace/lobe_filter.h"
@@ -44,6 +45,8 @@ class TileTracer {
     void refine(const Tile& tile, const Refinement& refinement, RefinedPixels& pixels);
     /// Adds those of the pixels that have one sample.
     void add_single(const Tile& tile, const Refinement& refinement, const RefinedPixels& pixels);
+    /// Adds the samples of a tile's active pixels that belong to a time, which is that of the state.
+    void blur(const Tile& tile, Blur& blur, int time);
     /// Rays other than those of the techniques.
     const FrameCounters& counters() const { return counters_; }
     /// Milliseconds of this thread.
@@ -98,6 +101,8 @@ class TileTracer {
     bool take_nearest(const TilePoint& point, const shading::CentreSample& own);
     void add_share(std::uint32_t to, const shading::CentreSample& own, const shading::CentreSample& of, float weight,
                    const float* values);
+    // Of TileTracer::blur() (tile_blur.cpp).
+    void shade_blurred(std::span<const FurtherSample> samples, const Blur& blur);
     bool take_lobe(const TilePoint& point, const shadow_culling::ShadowPoint& at);
     shading::CentreSample centre_sample(const shading::SurfacePoint& s, scene::ObjectId object,
                                         std::uint32_t triangle) const;
@@ -107,6 +112,7 @@ class TileTracer {
     }
     void clear_points();
     PointBatch batch(bool primary, int sample) const;
+    bool shades_further() const { return refinement_ || blur_; }
     void queue_primary(int sample);
     void queue_camera_ray(std::uint32_t pixel, const glm::vec2& at);
     void shade_sample(int sample, Stopwatch& watch);
@@ -183,6 +189,7 @@ class TileTracer {
     // Adaptive samples.
     shading::CentreSamples* const centres_;
     const Refinement* refinement_ = nullptr;   // while further samples are shaded
+    const Blur* blur_ = nullptr;               // likewise, of those of times and lens
     std::span<const FurtherSample> samples_;   // these
     std::vector<std::uint32_t> pixels_;        // theirs
     std::vector<Refined> refined_;

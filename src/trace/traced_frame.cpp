@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <functional>
 #include <memory>
 #include <optional>
 
@@ -14,6 +13,7 @@
 #include "image/pixel_filter.h"
 #include "image/tone_map.h"
 #include "shading/lobe_rays.h"
+#include "trace/blur.h"
 #include "trace/environment_lighting.h"
 #include "trace/indirect_light.h"
 #include "trace/lobe_filter.h"
@@ -90,15 +90,131 @@ void resolve(const image::SampleSums& sums, std::size_t tiles, Tasks& tasks, sha
     });
 }
 
-// Takes further samples where those at the pixels' centres differ, and filters all of them.
-// @param tile_of    by number
-// @param tracer_of  by worker
-void take_further_samples(const shading::CentreSamples& centres, const LobeImage* lobes, const TracedOptions& options,
-                          std::size_t tiles, const std::function<Tile(std::size_t)>& tile_of,
-                          const std::function<TileTracer&(int)>& tracer_of, Tasks& tasks, shading::FrameBuffers& out)
+// The techniques of a frame, brought up to it, and the tracers of its threads.
+class Pass {
+ public:
+    Pass(const FrameContext& frame, const TracedOptions& options, const Techniques& techniques, TraceLog* log,
+         FrameTimes& times);
+
+    std::size_t tiles() const { return tiles_; }
+    Tile tile(std::size_t index) const { return tile_at(index, columns_, options_.tile, frame_.view.size); }
+    /// The tracer of a thread.
+    TileTracer& tracer(int worker)
+    {
+        auto& tracer = tracers_[static_cast<std::size_t>(worker)];
+        if (!tracer)
+            tracer = std::make_unique<TileTracer>(frame_, options_, shadows_, sized_, environment_, indirect_, lobes,
+                                                  centres, log_);
+        return *tracer;
+    }
+    /// Sums what the threads counted, and lets the techniques learn from what their workers found.
+    FrameCounters end();
+
+    LobeImage* lobes = nullptr;                  // of the tracers
+    shading::CentreSamples* centres = nullptr;   // likewise
+
+ private:
+    const FrameContext& frame_;
+    const TracedOptions& options_;
+    TraceLog* log_;
+    FrameTimes& times_;
+    EveryShadowRay every_ray_;
+    ShadowTester& shadows_;
+    IndirectLight* indirect_;
+    SampledVisibility sampled_;
+    SizedTechnique sized_;
+    EnvironmentTechnique* environment_;
+    int columns_;
+    std::size_t tiles_;
+    std::vector<std::unique_ptr<TileTracer>> tracers_;
+};
+
+Pass::Pass(const FrameContext& frame, const TracedOptions& options, const Techniques& techniques, TraceLog* log,
+           FrameTimes& times)
+    : frame_(frame),
+      options_(options),
+      log_(log),
+      times_(times),
+      every_ray_(log),
+      shadows_(techniques.shadows ? *techniques.shadows : every_ray_),
+      indirect_(techniques.indirect),
+      environment_(techniques.environment),
+      columns_((frame.view.size.width + options.tile - 1) / options.tile),
+      tracers_(static_cast<std::size_t>(frame.tasks.threads()))
 {
-    const float exposure =
-        std::exp2(options.exposure ? *options.exposure : static_cast<float>(image::auto_exposure(out.color.data)));
+    SizedVisibility& sized_visibility = techniques.sized_visibility ? *techniques.sized_visibility : sampled_;
+    sized_ = {techniques.sized, techniques.sized ? &sized_visibility : nullptr};
+    const int rows = (frame.view.size.height + options.tile - 1) / options.tile;
+    tiles_ = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows);
+
+    // Bring the techniques up to this frame. The shadow test follows whole, so that it outlives an interruption.
+    Stopwatch watch(times);
+    {
+        const InterruptionScope whole(nullptr);
+        shadows_.begin_frame(frame);
+        if (sized_.lights) sized_.visibility->begin_frame(frame, *sized_.lights);
+        if (environment_) environment_->begin_frame(frame, tiles_);
+    }
+    if (environment_ && environment_->empty() && environment_->light().suns().empty()) environment_ = nullptr;
+    if (indirect_) indirect_->begin_frame(frame);
+    watch.end(FrameTimes::light_maps);
+}
+
+FrameCounters Pass::end()
+{
+    FrameCounters counters;
+    environment_light::VisibilityCounters environment_counters;
+    std::uint64_t few_rays = 0;
+    std::vector<std::unique_ptr<ShadowTester::Worker>> shadow_workers;
+    std::vector<std::unique_ptr<SizedVisibility::Worker>> sized_workers;
+    std::vector<std::unique_ptr<IndirectLight::Worker>> indirect_workers;
+    for (const auto& tracer : tracers_) {
+        if (!tracer) continue;
+        counters.primary_rays += tracer->counters().primary_rays;
+        counters.reflection_rays += tracer->counters().reflection_rays;
+        counters.refraction_rays += tracer->counters().refraction_rays;
+        counters.samples.pixels += tracer->counters().samples.pixels;
+        counters.samples.taken += tracer->counters().samples.taken;
+        counters.samples.shaded += tracer->counters().samples.shaded;
+        for (std::size_t stage = 0; stage < FrameTimes::k_stages; ++stage)
+            times_.ms[stage] += tracer->times().ms[stage] / frame_.tasks.threads();
+        environment_counters.add(tracer->environment_counters());
+        few_rays += tracer->few_rays();
+        shadow_workers.push_back(tracer->take_shadows());
+        if (sized_.lights) sized_workers.push_back(tracer->take_sized());
+        if (indirect_) indirect_workers.push_back(tracer->take_indirect());
+    }
+    Stopwatch watch(times_);   // the tiles measured their own time
+    counters.shadow = shadows_.end_frame(shadow_workers, frame_.tasks);
+    if (sized_.lights) {
+        const FrameCounters::Shadow more = sized_.visibility->end_frame(sized_workers, frame_.tasks);
+        counters.shadow.rays += more.rays + few_rays;
+        counters.shadow.rays_skipped += more.rays_skipped;
+        counters.shadow.rays_dynamic_only += more.rays_dynamic_only;
+        if (more.rays_wrong) counters.shadow.rays_wrong = counters.shadow.rays_wrong.value_or(0) + *more.rays_wrong;
+    }
+    if (environment_) {
+        environment_->set_counters(environment_counters);
+        counters.shadow.rays += environment_counters.rays + environment_counters.dynamic_rays;
+        counters.shadow.rays_dynamic_only += environment_counters.dynamic_rays;
+    }
+    watch.end(FrameTimes::proofs);
+    if (indirect_) counters.indirect = indirect_->end_frame(indirect_workers);
+    watch.end(FrameTimes::indirect);
+    return counters;
+}
+
+float exposure_of(const shading::FrameBuffers& out, const TracedOptions& options)
+{
+    return std::exp2(options.exposure ? *options.exposure : static_cast<float>(image::auto_exposure(out.color.data)));
+}
+
+// Takes further samples where those at the pixels' centres differ, and filters all of them.
+// @param blur  optional: its touched pixels are left out, and it keeps the samples until they are there
+void take_further_samples(const shading::CentreSamples& centres, const LobeImage* lobes, const TracedOptions& options,
+                          Pass& pass, Tasks& tasks, shading::FrameBuffers& out, Blur* blur)
+{
+    const float exposure = exposure_of(out, options);
     image::SampleSums sums(centres.size(), options.tile, channels_of(out, options), k_white / exposure);
     Refinement refinement{centres, out, averaged_layers(std::as_const(out), options), lobes, options.refine, {}, sums};
     refinement.options.exposure = exposure;
@@ -109,20 +225,27 @@ void take_further_samples(const shading::CentreSamples& centres, const LobeImage
 
     // Refine the selected pixels, and what they lead to, round by round.
     RefinedPixels pixels(centres.size());
+    const bool blurs = blur && blur->any();
+    for (int y = 0; blurs && y < centres.size().height; ++y)
+        for (int x = 0; x < centres.size().width; ++x)
+            if (blur->touched(x, y)) pixels.leave_out(x, y);
     pixels.select(refinement, tasks);
     for (int round = 0; round < RefinedPixels::k_rounds; ++round) {
         report_progress("refining", static_cast<double>(round) / RefinedPixels::k_rounds);
-        tasks.for_each(tiles, [&](std::size_t index, int worker) {
-            tracer_of(worker).refine(tile_of(index), refinement, pixels);
+        tasks.for_each(pass.tiles(), [&](std::size_t index, int worker) {
+            pass.tracer(worker).refine(pass.tile(index), refinement, pixels);
         });
         if (!pixels.select_next(tasks)) break;
     }
 
     // Add the other pixels' samples.
-    tasks.for_each(tiles, [&](std::size_t index, int worker) {
-        tracer_of(worker).add_single(tile_of(index), refinement, pixels);
+    tasks.for_each(pass.tiles(), [&](std::size_t index, int worker) {
+        pass.tracer(worker).add_single(pass.tile(index), refinement, pixels);
     });
-    resolve(sums, tiles, tasks, out, options);
+    if (blurs)
+        blur->keep(std::move(sums), refinement.weights[0], options.tile);
+    else
+        resolve(sums, pass.tiles(), tasks, out, options);
 }
 
 }   // namespace
@@ -144,119 +267,62 @@ std::vector<const ImageF*> averaged_layers(const shading::FrameBuffers& buffers,
 
 FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view,
                           const TracedOptions& options, Tasks& tasks, shading::FrameBuffers& out,
-                          const Techniques& techniques, TraceLog* log, const Progress& progress)
+                          const Techniques& techniques, TraceLog* log, const Progress& progress, Blur* blur)
 {
-    // LONG: the stages of a frame, one after the other, over the same few objects.
     GNOMON_CHECK(!log || (tasks.threads() == 1 && !techniques.shadows));
     GNOMON_CHECK(options.tile > 0 && (options.tile & (options.tile - 1)) == 0);
-    EveryShadowRay every_ray(log);
-    ShadowTester& shadows = techniques.shadows ? *techniques.shadows : every_ray;
-    IndirectLight* const indirect = techniques.indirect;
-    SampledVisibility sampled;
-    SizedVisibility& sized_visibility = techniques.sized_visibility ? *techniques.sized_visibility : sampled;
-    const SizedTechnique sized{techniques.sized, techniques.sized ? &sized_visibility : nullptr};
     Interruption interruption(progress);
     const InterruptionScope scope(progress ? &interruption : Interruption::current());
-
-    // Bring the techniques up to this frame. The shadow test follows whole, so that it outlives an interruption.
     out.times = {};
-    Stopwatch watch(out.times);
     const FrameContext frame{state, rays, view, tasks};
+    Pass pass(frame, options, techniques, log, out.times);
     const Size size = view.size;
-    const int columns = (size.width + options.tile - 1) / options.tile;
-    const int rows = (size.height + options.tile - 1) / options.tile;
-    const auto tiles = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
-    EnvironmentTechnique* environment = techniques.environment;
-    {
-        const InterruptionScope whole(nullptr);
-        shadows.begin_frame(frame);
-        if (sized.lights) sized_visibility.begin_frame(frame, *sized.lights);
-        if (environment) environment->begin_frame(frame, tiles);
-    }
-    if (environment && environment->empty() && environment->light().suns().empty()) environment = nullptr;
-    if (indirect) indirect->begin_frame(frame);
-    watch.end(FrameTimes::light_maps);
-    fit(out, size, options.layers, indirect && indirect->is_estimate(), options.backdrop_apart,
+    fit(out, size, options.layers, techniques.indirect && techniques.indirect->is_estimate(), options.backdrop_apart,
         state.scene().lights.size());
 
     std::optional<LobeImage> lobes;
     if (!options.random_lobes && has_lobes(state.scene())) lobes.emplace(size);
-    LobeImage* const lobe_image = lobes ? &*lobes : nullptr;
+    std::optional<shading::CentreSamples> centres;
+    if (options.adaptive || blur) centres.emplace(size);
+    pass.lobes = lobes ? &*lobes : nullptr;
+    pass.centres = centres ? &*centres : nullptr;
 
     // Trace the tiles.
-    std::optional<shading::CentreSamples> centres;
-    if (options.adaptive) centres.emplace(size);
     std::optional<image::SampleSums> sums;
     const bool filters = !options.adaptive && options.filter != PixelFilter::box;
     if (filters) sums.emplace(size, options.tile, channels_of(out, options), k_infinity);
-    std::vector<std::unique_ptr<TileTracer>> tracers(static_cast<std::size_t>(tasks.threads()));
-    const auto make_tracer = [&] {
-        return std::make_unique<TileTracer>(frame, options, shadows, sized, environment, indirect, lobe_image,
-                                            centres ? &*centres : nullptr, log);
-    };
     std::atomic<std::size_t> done = 0;
     report_progress("tracing", 0);
-    tasks.for_each(tiles, [&](std::size_t index, int worker) {
-        auto& tracer = tracers[static_cast<std::size_t>(worker)];
-        if (!tracer) tracer = make_tracer();
-        tracer->trace(tile_at(index, columns, options.tile, size), out, filters ? &*sums : nullptr);
-        report_progress("tracing", static_cast<double>(++done) / static_cast<double>(tiles));
+    tasks.for_each(pass.tiles(), [&](std::size_t index, int worker) {
+        pass.tracer(worker).trace(pass.tile(index), out, filters ? &*sums : nullptr);
+        report_progress("tracing", static_cast<double>(++done) / static_cast<double>(pass.tiles()));
     });
 
-    if (filters) resolve(*sums, tiles, tasks, out, options);
+    if (filters) resolve(*sums, pass.tiles(), tasks, out, options);
     if (lobes) lobes->add_to(out.color, 1.0f / static_cast<float>(options.samples), tasks);
 
-    if (options.adaptive) {
-        const auto tile_of = [&](std::size_t index) { return tile_at(index, columns, options.tile, size); };
-        const auto tracer_of = [&](int worker) -> TileTracer& {
-            auto& tracer = tracers[static_cast<std::size_t>(worker)];
-            if (!tracer) tracer = make_tracer();
-            return *tracer;
-        };
-        take_further_samples(*centres, lobe_image, options, tiles, tile_of, tracer_of, tasks, out);
-    }
+    if (blur) blur->select(*centres, state, view, techniques.sized, tasks);
+    if (options.adaptive) take_further_samples(*centres, pass.lobes, options, pass, tasks, out, blur);
+    if (blur && blur->any()) blur->begin(size, channels_of(out, options), exposure_of(out, options));
+    return pass.end();
+}
 
-    // Sum what the threads counted, and let the techniques learn from what their workers found.
-    FrameCounters counters;
-    environment_light::VisibilityCounters environment_counters;
-    std::uint64_t few_rays = 0;
-    std::vector<std::unique_ptr<ShadowTester::Worker>> shadow_workers;
-    std::vector<std::unique_ptr<SizedVisibility::Worker>> sized_workers;
-    std::vector<std::unique_ptr<IndirectLight::Worker>> indirect_workers;
-    for (const auto& tracer : tracers) {
-        if (!tracer) continue;
-        counters.primary_rays += tracer->counters().primary_rays;
-        counters.reflection_rays += tracer->counters().reflection_rays;
-        counters.refraction_rays += tracer->counters().refraction_rays;
-        counters.samples.pixels += tracer->counters().samples.pixels;
-        counters.samples.taken += tracer->counters().samples.taken;
-        counters.samples.shaded += tracer->counters().samples.shaded;
-        for (std::size_t stage = 0; stage < FrameTimes::k_stages; ++stage)
-            out.times.ms[stage] += tracer->times().ms[stage] / tasks.threads();
-        environment_counters.add(tracer->environment_counters());
-        few_rays += tracer->few_rays();
-        shadow_workers.push_back(tracer->take_shadows());
-        if (sized.lights) sized_workers.push_back(tracer->take_sized());
-        if (indirect) indirect_workers.push_back(tracer->take_indirect());
-    }
-    watch.restart();   // the tiles measured their own time
-    counters.shadow = shadows.end_frame(shadow_workers, tasks);
-    if (sized.lights) {
-        const FrameCounters::Shadow more = sized_visibility.end_frame(sized_workers, tasks);
-        counters.shadow.rays += more.rays + few_rays;
-        counters.shadow.rays_skipped += more.rays_skipped;
-        counters.shadow.rays_dynamic_only += more.rays_dynamic_only;
-        if (more.rays_wrong) counters.shadow.rays_wrong = counters.shadow.rays_wrong.value_or(0) + *more.rays_wrong;
-    }
-    if (environment) {
-        environment->set_counters(environment_counters);
-        counters.shadow.rays += environment_counters.rays + environment_counters.dynamic_rays;
-        counters.shadow.rays_dynamic_only += environment_counters.dynamic_rays;
-    }
-    watch.end(FrameTimes::proofs);
-    if (indirect) counters.indirect = indirect->end_frame(indirect_workers);
-    watch.end(FrameTimes::indirect);
-    return counters;
+FrameCounters trace_blurred(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view,
+                            const TracedOptions& options, Tasks& tasks, FrameTimes& times, const Techniques& techniques,
+                            Blur& blur, std::optional<int> time)
+{
+    const FrameContext frame{state, rays, view, tasks};
+    Pass pass(frame, options, techniques, nullptr, times);
+    if (time)
+        tasks.for_each(pass.tiles(), [&](std::size_t index, int worker) {
+            if (blur.any_active(pass.tile(index))) pass.tracer(worker).blur(pass.tile(index), blur, *time);
+        });
+    return pass.end();
+}
+
+void finish_blur(const Blur& blur, const TracedOptions& options, Tasks& tasks, shading::FrameBuffers& out)
+{
+    blur.finish(averaged_layers(out, options), tasks);
 }
 
 }   // namespace gnomon::trace

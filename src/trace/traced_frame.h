@@ -30,6 +30,7 @@
 
 namespace gnomon::trace {
 
+class Blur;
 class EnvironmentTechnique;
 class IndirectLight;
 class ShadowTester;
@@ -66,6 +67,7 @@ struct Techniques {
     EnvironmentTechnique* environment = nullptr;
 };
 
+/// @param blur  optional: the frame is at its shutter's middle; finds the touched pixels, and prepares its rounds
 /// @param log  optional; only with one thread, and without a shadow technique
 /// @param progress  in place of the current Interruption
 /// @throws InterruptedError  the current work was interrupted (base/interruption.h). shadows->begin_frame() was called;
@@ -73,6 +75,18 @@ struct Techniques {
 /// discarded, and so must a light map.
 FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view,
                           const TracedOptions& options, Tasks& tasks, shading::FrameBuffers& out,
-                          const Techniques& techniques = {}, TraceLog* log = nullptr, const Progress& progress = {});
+                          const Techniques& techniques = {}, TraceLog* log = nullptr, const Progress& progress = {},
+                          Blur* blur = nullptr);
+
+/// Traces those samples of the blur's round that belong to one of its times.
+/// @param state   at this time; so for rays, view and techniques
+/// @param times   added to
+/// @param time    none: takes no samples; the techniques follow the state
+FrameCounters trace_blurred(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view,
+                            const TracedOptions& options, Tasks& tasks, FrameTimes& times, const Techniques& techniques,
+                            Blur& blur, std::optional<int> time);
+
+/// Writes the blurred pixels into the layers of the frame at the shutter's middle.
+void finish_blur(const Blur& blur, const TracedOptions& options, Tasks& tasks, shading::FrameBuffers& out);
 
 }   // namespace gnomon::trace

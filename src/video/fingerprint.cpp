@@ -244,6 +244,12 @@ std::uint64_t fingerprint_of(std::uint64_t of_scene, const Scene& scene, const R
     // The turntable's angle per frame. A clip that numbers its own frames has the same times at any rate.
     if (options.turntable_seconds > 0) print.add(scene.fps());
     print.add(options.max_depth), print.add(options.samples), print.add(options.filter);
+    // Frames without either have the fingerprint that they always had.
+    if (options.shutter > 0) print.add(std::string("shutter")), print.add(options.shutter), print.add(scene.fps());
+    if (options.f_number > 0 || options.aperture > 0) {
+        print.add(std::string("lens")), print.add(options.f_number), print.add(options.aperture);
+        print.add(options.focus.value_or(0));
+    }
     print.add(options.exposure.has_value()), print.add(options.exposure.value_or(0));
     print.add(options.tonemap);
     print.add(options.background);

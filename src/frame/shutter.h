@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// What moves while a frame's shutter is open, and where its lens is sharp.
+
+#include <algorithm>
+#include <functional>
+#include <optional>
+
+#include "frame/host_values.h"
+#include "gnomon/renderer.h"
+#include "ray/ray_scene.h"
+#include "scene/view.h"
+#include "trace/blur.h"
+
+namespace gnomon::frame {
+
+/// When a frame's shutter is open. Its middle is the frame's time.
+struct Shutter {
+    double open = 0, close = 0;   // seconds; equal: nothing moves
+    /// What moves stands still before and after.
+    double first = -k_infinity, last = k_infinity;
+    /// The frame's view at a time, at which the state is.
+    std::function<scene::View(const scene::SceneState&, double time)> view_at{};
+    const HostValues* host = nullptr;   // of the frame
+
+    /// The middle of one of several parts of equal length.
+    double time(int part, int parts) const { return at((part + 0.5) / parts); }
+    /// The time at a fraction of the opening.
+    double at(double fraction) const { return std::clamp(open + (close - open) * fraction, first, last); }
+};
+
+/// Where a view's rays through a grid of places in the image end: points of the scene, and the depths of those in the
+/// middle third of the image.
+struct SeenPlaces {
+    std::vector<glm::dvec3> points;
+    std::vector<float> middle_depths;   // ascending; infinite where a ray left the scene
+};
+SeenPlaces see_places(const ray::RayScene& rays, const scene::View& view);
+
+/// Finds what moves, from the poses of a second state that is made from the base scene of the first. Objects move
+/// evenly between 9 times; what they do between two of these is not seen.
+trace::BlurMotion find_motion(const scene::SceneState& state, const scene::View& view, const Shutter& shutter,
+                              const SeenPlaces& places);
+
+/// The lens of a view, from the options.
+/// @throws UsageError  the view is orthographic
+scene::Lens find_lens(const scene::View& view, const RenderOptions& options, const SeenPlaces& places);
+
+/// The view from a place of the lens, which shows the plane of focus where the view does.
+/// @param at  in the unit disc
+scene::View view_through(const scene::View& view, const scene::Lens& lens, const glm::vec2& at);
+
+}   // namespace gnomon::frame

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "trace/blur.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "base/check.h"
+#include "base/interruption.h"
+#include "base/random.h"
+#include "base/sobol.h"
+#include "trace/refinement.h"
+
+namespace gnomon::trace {
+
+namespace {
+
+// Samples of a pixel after each round, where many pixels are touched, and where few are: then poses cost more than
+// samples.
+constexpr std::array<std::uint32_t, 5> k_of_many{k_first_blur_samples, 16, 32, 64, 128};
+constexpr std::array<std::uint32_t, 3> k_of_few{k_first_blur_samples, 32, 128};
+constexpr std::uint64_t k_few = 4;       // one in so many pixels of the image
+constexpr float k_convergence = 0.85f;   // power of the samples' number by which their error falls; 0.5: of random ones
+constexpr int k_reach = 2;               // pixels around whose samples tell of a pixel's error
+
+std::uint32_t mixed(std::uint32_t x)
+{
+    x ^= x >> 16, x *= 0x7feb352du;
+    x ^= x >> 15, x *= 0x846ca68bu;
+    return x ^ (x >> 16);
+}
+
+// Permutes numbers so that each bit depends on itself and the lower ones [Burley 2020, Listing 2].
+std::uint32_t permuted(std::uint32_t x, std::uint32_t seed)
+{
+    x += seed;
+    x ^= x * 0x6c50b47cu;
+    x ^= x * 0xb82f1e52u;
+    x ^= x * 0xc7afe638u;
+    return x ^ x * 0x8d22f6e6u;
+}
+
+// Scrambles a fraction of 2^32 as Owen does.
+std::uint32_t scrambled(std::uint32_t x, std::uint32_t seed)
+{
+    return reversed_bits(permuted(reversed_bits(x), seed));
+}
+
+// A colour as a display encodes it, about: 1 for its white, and little more for what is brighter.
+glm::vec3 displayed(const glm::vec3& color)
+{
+    const auto encoded = [](float x) { return x < 1 ? std::sqrt(std::max(x, 0.0f)) : 1.5f - 0.5f / x; };
+    return {encoded(color.x), encoded(color.y), encoded(color.z)};
+}
+
+float fraction(std::uint32_t x)
+{
+    return static_cast<float>(x >> 8) * 0x1p-24f;
+}
+
+// The third dimension of Sobol's sequence, for as many points as a pixel may have samples: its direction numbers follow
+// from the polynomial x^2 + x + 1.
+constexpr int k_sobol_bits = 12;
+constexpr std::array<std::uint32_t, k_sobol_bits> third_directions()
+{
+    std::array<std::uint32_t, k_sobol_bits> result{1u << 31, 3u << 30};
+    for (std::size_t i = 2; i < result.size(); ++i) result[i] = result[i - 2] ^ (result[i - 2] >> 2) ^ result[i - 1];
+    return result;
+}
+
+std::uint32_t third_dimension(std::uint32_t i)
+{
+    static constexpr std::array<std::uint32_t, k_sobol_bits> k_directions = third_directions();
+    std::uint32_t result = 0;
+    for (std::size_t bit = 0; bit < k_directions.size(); ++bit)
+        if (i >> bit & 1) result ^= k_directions[bit];
+    return result;
+}
+
+// The pose of a sample. The first samples are in the middle of their strata, for all pixels alike.
+int time_of(const glm::ivec2& pixel, std::uint32_t number, int times)
+{
+    constexpr std::uint32_t k_bits = 6, k_middle = k_most_blur_times / k_first_blur_samples / 2;
+    std::uint32_t at = reversed_bits(number) >> (32 - k_bits) ^ k_middle;
+    if (number % 32 >= k_first_blur_samples) at ^= static_cast<std::uint32_t>(pixel.x + pixel.y) & 1;
+    return static_cast<int>(at) * times / k_most_blur_times;
+}
+
+}   // namespace
+
+BlurSample blur_sample(const glm::ivec2& pixel, std::uint32_t number, int times, bool random)
+{
+    const std::uint32_t seed = mixed(static_cast<std::uint32_t>(pixel.x) * 0x9e3779b9u +
+                                     mixed(static_cast<std::uint32_t>(pixel.y) + 0x51ed270bu));
+    BlurSample sample;
+    if (random) {
+        Random numbers(seed, number);
+        sample.offset = {numbers.uniform(), numbers.uniform()};
+        sample.lens = scene::disc_point({numbers.uniform(), numbers.uniform()});
+        sample.time = static_cast<int>(numbers.below(static_cast<std::uint32_t>(times)));
+        return sample;
+    }
+    // The time is the first dimension of Sobol's sequence. So it is well spread together with the place in the pixel,
+    // which decides about moving edges.
+    const auto place = [&](std::uint32_t point, std::uint32_t dimension) {
+        return fraction(scrambled(point, mixed(seed + dimension)));
+    };
+    sample.offset = {place(second_dimension(number), 1), place(third_dimension(number), 2)};
+    // Exchange blocks of points, so that each run of a power of two of points stays such a run, of other times.
+    const std::uint32_t i = scrambled(number, mixed(seed)) & 0xffffu;
+    sample.lens = scene::disc_point({place(reversed_bits(i), 3), place(second_dimension(i), 4)});
+    sample.time = time_of(pixel, number, times);
+    return sample;
+}
+
+int Blur::time(const glm::ivec2& pixel, std::uint32_t number) const
+{
+    return options_.random ? sample(pixel, number).time : time_of(pixel, number, motion_.times);
+}
+
+bool Blur::any_active(const Tile& tile) const
+{
+    for (int y = tile.y; y < tile.y + tile.height; ++y)
+        for (int x = tile.x; x < tile.x + tile.width; ++x)
+            if (active(x, y)) return true;
+    return false;
+}
+
+void Blur::keep(image::SampleSums&& sums, const image::SampleWeights& centre, int tile)
+{
+    others_ = std::move(sums), centre_ = centre, tile_ = tile;
+}
+
+void Blur::begin(Size size, int channels, float exposure)
+{
+    GNOMON_CHECK(size.width == size_.width && size.height == size_.height);
+    exposure_ = exposure;
+    sums_ = ImageF(size.width, size.height, channels);
+    squares_ = ImageF(size.width, size.height, 3);
+    active_ = Image8(size.width, size.height, 1);
+}
+
+bool Blur::next_round(Tasks& tasks)
+{
+    if (!any_ || (round_ >= 0 && round_ + 1 == static_cast<int>(totals_.size()))) return false;
+    if (round_ < 0) {
+        const auto pixels = static_cast<std::uint64_t>(size_.width) * static_cast<std::uint64_t>(size_.height);
+        const bool few = motion_.times > 1 && touched_pixels() * k_few < pixels;
+        few ? totals_.assign(k_of_few.begin(), k_of_few.end()) : totals_.assign(k_of_many.begin(), k_of_many.end());
+        if (options_.samples > 0) totals_ = {static_cast<std::uint32_t>(options_.samples)};
+    }
+    // Go on with the pixels whose error is too large. Errors read the pixels that took part in the last round.
+    Image8 next(size_.width, size_.height, 1);
+    std::vector<char> found(static_cast<std::size_t>(size_.height), 0);
+    tasks.for_each(static_cast<std::size_t>(size_.height), [&](std::size_t row, int) {
+        interruption_point();
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < size_.width; ++x) {
+            const bool goes_on = round_ < 0 ? touched(x, y) : active(x, y) && error_at(x, y) > options_.error;
+            if (goes_on) *next.pixel(x, y) = 1, found[row] = 1;
+        }
+    });
+    active_ = std::move(next);
+    ++round_;
+    first_ = end_;
+    end_ = totals_[static_cast<std::size_t>(round_)];
+    use_times();
+    for (int y = 0; y < size_.height; ++y)
+        for (int x = 0; x < size_.width; ++x)
+            if (active(x, y)) ++*rounds_.pixel(x, y);
+    return std::ranges::any_of(found, [](char any) { return any != 0; });
+}
+
+// Notes the times of the round's samples.
+void Blur::use_times()
+{
+    used_.assign(static_cast<std::size_t>(motion_.times), options_.random ? 1 : 0);
+    for (std::uint32_t s = first_; s < end_; ++s)
+        for (int parity = 0; parity < 2; ++parity)
+            used_[static_cast<std::size_t>(time_of({parity, 0}, s, motion_.times))] = 1;
+}
+
+// How far a pixel's mean may be from the true one, as a display shows it. Variance and mean are those of the samples of
+// all pixels around that took part: of its own, a pixel that happens to be too bright would stop earlier.
+float Blur::error_at(int x, int y) const
+{
+    const auto n = static_cast<float>(end_);
+    glm::vec3 variance(0), mean(0);
+    int pixels = 0;
+    for (int v = std::max(y - k_reach, 0); v <= std::min(y + k_reach, size_.height - 1); ++v)
+        for (int u = std::max(x - k_reach, 0); u <= std::min(x + k_reach, size_.width - 1); ++u) {
+            if (!active(u, v)) continue;
+            const float *const sum = sums_.pixel(u, v), *const square = squares_.pixel(u, v);
+            for (int c = 0; c < 3; ++c)
+                mean[c] += sum[c], variance[c] += std::max(square[c] - sum[c] * sum[c] / n, 0.0f);
+            ++pixels;
+        }
+    variance /= static_cast<float>(pixels) * (n - 1);
+    mean /= static_cast<float>(pixels) * n;
+    const glm::vec3 error = glm::sqrt(variance) / std::pow(n, k_convergence);
+    return shading::difference(displayed(exposure_ * (mean + error)), displayed(exposure_ * mean));
+}
+
+void Blur::add(int x, int y, const float* values)
+{
+    float* const sum = sums_.pixel(x, y);
+    for (int c = 0; c < sums_.channels; ++c) sum[c] += values[c];
+    float* const square = squares_.pixel(x, y);
+    for (int c = 0; c < 3; ++c) square[c] += values[c] * values[c];
+}
+
+void Blur::finish(const std::vector<ImageF*>& layers, Tasks& tasks) const
+{
+    const int columns = (size_.width + tile_ - 1) / tile_, rows = (size_.height + tile_ - 1) / tile_;
+    const auto tiles = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+    const auto write = [&](int x, int y, const float* values) {
+        for (ImageF* layer : layers) {
+            std::copy_n(values, layer->channels, layer->pixel(x, y));
+            values += layer->channels;
+        }
+    };
+    // Without kept sums, the other pixels lie in the layers already.
+    std::optional<image::SampleSums> all = others_;
+    tasks.for_each(tiles, [&](std::size_t tile, int) {
+        const int left = static_cast<int>(tile) % columns * tile_, top = static_cast<int>(tile) / columns * tile_;
+        std::vector<float> mean(static_cast<std::size_t>(sums_.channels));
+        for (int y = top; y < std::min(top + tile_, size_.height); ++y)
+            for (int x = left; x < std::min(left + tile_, size_.width); ++x) {
+                if (!touched(x, y)) continue;
+                const std::size_t taken = *rounds_.pixel(x, y) - std::size_t{1};
+                const auto n = static_cast<float>(totals_[taken - 1]);
+                const float* const sum = sums_.pixel(x, y);
+                for (std::size_t c = 0; c < mean.size(); ++c) mean[c] = sum[c] / n;
+                if (all)
+                    all->add(tile, x - left, y - top, centre_, 1, mean.data(), image::LightWeight::linear);
+                else
+                    write(x, y, mean.data());
+            }
+    });
+    if (!all) return;
+    tasks.for_each(tiles, [&](std::size_t tile, int) { all->resolve(tile, write); });
+}
+
+std::uint64_t Blur::touched_pixels() const
+{
+    if (!any_) return 0;
+    return static_cast<std::uint64_t>(
+        std::count_if(rounds_.data.begin(), rounds_.data.end(), [](std::uint8_t r) { return r > 0; }));
+}
+
+}   // namespace gnomon::trace

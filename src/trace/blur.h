@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Motion blur and depth of field of the traced frame: samples of time and lens where something moves or is out of
+// focus.
+//
+// 1. The frame is traced as without them, at the shutter's middle and by the lens's centre.
+// 2. Pixels are touched if a moving object may be seen, may cast a shadow or may be mirrored in them, or if something
+//    that is out of focus is seen there or may reach into them (Blur::select()). All others stay as they are, bit for
+//    bit.
+// 3. Touched pixels get samples in rounds: 8, 16, 32, 64 and 128 in all; 8, 32 and 128 where few
+//    pixels are touched and the scene is posed, because each round poses it anew. After a round, those go on whose
+//    samples, and those of the pixels around, still differ too much (Blur::next_round()).
+// 4. Each touched pixel becomes the mean of its samples, in linear light, so that what is blurred keeps its energy.
+//
+// Times are discrete: the scene is posed at up to 64 times of the shutter, in strata of equal length, one after the
+// other, and each pose traces the samples that need it. The first 8 samples have the same times in all pixels. The
+// later ones fill the other strata; pixels take turns in which half of a stratum they sample. Time and place
+// in the pixel are the three dimensions of Sobol's sequence, and the place on the lens is a point of a (0, 2)-sequence;
+// all but the times are scrambled differently in each pixel [Burley 2020].
+//
+// All light is computed anew for each sample, at its time. Only pixels that no moving object may reach, as step 2 has
+// it, keep the bounced light of the shutter's middle.
+//
+// Each step reads what the step before made of the whole image, so that the result does not depend on threads. Memory:
+// 30 bytes a pixel without layers.
+
+#include <optional>
+#include <vector>
+
+#include "base/tasks.h"
+#include "image/pixel_filter.h"
+#include "scene/lens.h"
+#include "scene/sized_light.h"
+#include "shading/centre_samples.h"
+#include "shading/frame_buffers.h"
+#include "trace/point_batch.h"
+
+namespace gnomon::trace {
+
+struct TracedOptions;
+
+/// Strata of the shutter's time at the most, and the first samples of a pixel, whose times all pixels share.
+inline constexpr int k_most_blur_times = 64, k_first_blur_samples = 8;
+
+/// What moves while the shutter is open.
+struct BlurMotion {
+    int times = 1;             // at which the scene is posed; 1, or a power of two from k_first_blur_samples on
+    bool everything = false;   // every pixel may change: the camera, a light or a material does
+    std::vector<Box3> boxes;   // of the objects that move, each over the whole time
+};
+
+struct BlurOptions {
+    scene::Lens lens{.radius = 0};
+    int samples = 0;             // of each touched pixel; 0: in rounds
+    bool random = false;         // for measurements: independent random samples
+    float error = 0.01f;         // of a pixel, where 1 is a display's white, above which it takes more samples
+    float blurred_from = 0.5f;   // diameter in pixels from which on what is out of focus counts
+    float near = 0.5f;           // distance, in diagonals of its box, within which a moving object changes light
+};
+
+/// Where and when a sample is taken.
+struct BlurSample {
+    glm::vec2 offset{0.5f};   // in the pixel, 0 to 1
+    glm::vec2 lens{0};        // in the unit disc
+    int time = 0;             // number of the pose
+};
+/// The sample of that number of a pixel. The first 8, 16, 32, 64 and 128 are each well spread over time, lens and
+/// pixel.
+BlurSample blur_sample(const glm::ivec2& pixel, std::uint32_t number, int times, bool random);
+
+class Blur {
+ public:
+    Blur(BlurMotion motion, const BlurOptions& options) : motion_(std::move(motion)), options_(options) {}
+
+    const BlurMotion& motion() const { return motion_; }
+    const BlurOptions& options() const { return options_; }
+
+    /// Finds the touched pixels.
+    /// @param centres  of the frame at the shutter's middle; so for the other arguments
+    /// @param sized    null: the scene's lights alone light it
+    void select(const shading::CentreSamples& centres, const scene::SceneState& state, const scene::View& view,
+                const scene::SizedLights* sized, Tasks& tasks);
+    BlurSample sample(const glm::ivec2& pixel, std::uint32_t number) const
+    {
+        return blur_sample(pixel, number, motion_.times, options_.random);
+    }
+    int time(const glm::ivec2& pixel, std::uint32_t number) const;
+    int channels() const { return sums_.channels; }
+    bool any() const { return any_; }
+    bool touched(int x, int y) const { return any_ && *rounds_.pixel(x, y) > 0; }
+
+    /// Keeps the sums of the samples of the other pixels, until finish().
+    void keep(image::SampleSums&& sums, const image::SampleWeights& centre, int tile);
+    /// The number of values of each sample, in the order of averaged_layers().
+    void begin(Size size, int channels, float exposure);
+
+    /// Selects the pixels that take the next samples.
+    /// @return  false: there are none
+    bool next_round(Tasks& tasks);
+    /// Whether some sample of the round may have this time.
+    bool uses(int time) const { return used_[static_cast<std::size_t>(time)]; }
+    bool active(int x, int y) const { return *active_.pixel(x, y) != 0; }
+    bool any_active(const Tile& tile) const;
+    std::uint32_t first_sample() const { return first_; }
+    std::uint32_t end_sample() const { return end_; }
+    /// Adds a sample of an active pixel. Tasks may do so at once for different pixels.
+    void add(int x, int y, const float* values);
+
+    /// Writes the touched pixels, and with kept sums all of them.
+    void finish(const std::vector<ImageF*>& layers, Tasks& tasks) const;
+    std::uint64_t touched_pixels() const;
+
+ private:
+    void touch_moving(const shading::CentreSamples& centres, const scene::View& view, Tasks& tasks);
+    void touch_lit(const shading::CentreSamples& centres, const scene::SceneState& state,
+                   const scene::SizedLights* sized, Tasks& tasks);
+    void touch_unsharp(const shading::CentreSamples& centres, const scene::View& view, Tasks& tasks);
+    void widen(Tasks& tasks);
+    void use_times();
+    float error_at(int x, int y) const;
+
+    BlurMotion motion_;
+    BlurOptions options_;
+    Size size_{};
+    bool any_ = false;
+    int round_ = -1;
+    std::vector<std::uint32_t> totals_;   // samples of a pixel after each round
+    std::uint32_t first_ = 0, end_ = 0;
+    std::vector<char> used_;   // by time
+    float exposure_ = 1;
+    Image8 rounds_;    // 0: not touched; else 1 and the rounds that were taken
+    Image8 active_;    // of the round
+    ImageF sums_;      // of samples
+    ImageF squares_;   // of their colours
+    std::optional<image::SampleSums> others_;
+    image::SampleWeights centre_;
+    int tile_ = 32;
+};
+
+}   // namespace gnomon::trace

@@ -1,0 +1,437 @@
+// SPDX-License-Identifier: Apache-2.0
+// Motion blur and depth of field: their closed forms, what they leave alone, and the same bytes however a frame is
+// made.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "api/scene_access.h"
+#include "base/random.h"
+#include "frame/frame_engine.h"
+#include "gnomon/gnomon.h"
+#include "same_frames.h"
+#include "scene/lens.h"
+#include "scene/track.h"
+#include "trace/blur.h"
+
+namespace gnomon {
+namespace {
+
+using scene::NodeId;
+
+// Moves evenly during the first second.
+class EvenTrack final : public scene::TransformTrack {
+ public:
+    explicit EvenTrack(const glm::dvec3& from, const glm::dvec3& speed) : from_(from), speed_(speed) {}
+    glm::dmat4 evaluate(double time) const override
+    {
+        return glm::translate(glm::dmat4(1), from_ + speed_ * std::clamp(time, 0.0, 1.0));
+    }
+    std::vector<scene::Interval> changing() const override { return {{0, 1}}; }
+
+ private:
+    glm::dvec3 from_, speed_;
+};
+
+struct Board {
+    glm::vec3 color{1};
+    float side = 1;
+    glm::dvec3 at{0};
+    glm::dvec3 speed{0};
+    scene::ShadingModel model = scene::ShadingModel::unlit;
+};
+
+// Squares that face the viewer, who looks along -Z. At the clip's 13th frame, half a second has passed.
+Scene boards(const std::vector<Board>& boards, double orthographic_height, const glm::dvec3& camera_speed = {})
+{
+    scene::Scene made;
+    for (const Board& board : boards) {
+        scene::Material material;
+        material.model = board.model;
+        material.base_color = board.color, material.roughness = 1, material.ior = 1;
+        scene::Mesh mesh;
+        const float s = board.side / 2;
+        mesh.positions = {{-s, -s, 0}, {s, -s, 0}, {s, s, 0}, {-s, s, 0}};
+        mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+        mesh.parts = {{static_cast<scene::MaterialId>(made.materials.size()), 0, 2}};
+        made.materials.push_back(material);
+        const NodeId node = made.add_node("board", scene::none, glm::translate(glm::dmat4(1), board.at));
+        made.nodes[node].mesh = static_cast<scene::MeshId>(made.meshes.size());
+        made.meshes.push_back(mesh);
+        if (board.speed != glm::dvec3(0))
+            made.nodes[node].transform = std::make_shared<EvenTrack>(board.at - 0.5 * board.speed, board.speed);
+    }
+    scene::Camera camera;
+    camera.orthographic_height = orthographic_height;
+    camera.node = made.add_node("camera", scene::none, glm::dmat4(1));
+    if (camera_speed != glm::dvec3(0))
+        made.nodes[camera.node].transform = std::make_shared<EvenTrack>(-0.5 * camera_speed, camera_speed);
+    made.cameras.push_back(camera);
+    made.background.kind = scene::Background::Kind::color;
+    made.background.color = glm::vec3(0);
+    made.timeline.end = 1, made.timeline.frames = 25;
+    made.finish();
+    return api::public_scene(std::make_shared<const scene::Scene>(std::move(made)));
+}
+
+constexpr int k_frame = 13;
+
+RenderOptions options_of(int samples)
+{
+    return {.size = {64, 64}, .samples = samples, .exposure = 0, .indirect = Indirect::off, .threads = 2};
+}
+
+Frame frame_of(const Scene& scene, const RenderOptions& options, int frame = k_frame)
+{
+    return Renderer(options).render(scene, frame);
+}
+
+double sum_of(const Frame& frame)
+{
+    double sum = 0;
+    for (int y = 0; y < frame.size.height; ++y)
+        for (int x = 0; x < frame.size.width; ++x) sum += static_cast<double>(frame.layer("")->value(x, y));
+    return sum;
+}
+
+// The share of a pixel's column that a square covers, which moves by `way` pixels: the overlap of the pixel with the
+// square, averaged over the way.
+double coverage(double column, double low, double high, double way)
+{
+    constexpr int k_steps = 4096;
+    double sum = 0;
+    for (int i = 0; i < k_steps; ++i) {
+        const double moved = way * ((i + 0.5) / k_steps - 0.5);
+        sum += std::max(0.0, std::min(column + 1, high + moved) - std::max(column, low + moved));
+    }
+    return sum / k_steps;
+}
+
+// A square of 20 pixels moves by 16 while the shutter is open.
+TEST(MotionBlur, RampOfAMovingSquareIsLinear)
+{
+    const Scene scene = boards({{.side = 20, .at = {0, 0, -5}, .speed = {16 * 48, 0, 0}}}, 64);
+    for (const int samples : {64, k_adaptive_samples}) {
+        RenderOptions options = options_of(samples);
+        options.shutter = 180;
+        const Frame frame = frame_of(scene, options);
+        for (int x = 0; x < 64; ++x)
+            EXPECT_NEAR(frame.layer("")->value(x, 32), coverage(x, 22, 42, 16), samples > 0 ? 1.0 / 64 : 1.0 / 32)
+                << "column " << x << ", samples " << samples;
+        EXPECT_EQ(frame.layer("")->value(32, 5), 0);
+    }
+}
+
+TEST(MotionBlur, AShutterOfTwiceTheAngleBlursTwiceAsFar)
+{
+    const Scene scene = boards({{.side = 10, .at = {0, 0, -5}, .speed = {12 * 48, 0, 0}}}, 64);
+    for (const double shutter : {90.0, 180.0, 360.0}) {
+        RenderOptions options = options_of(64);
+        options.shutter = shutter;
+        const Frame frame = frame_of(scene, options);
+        const double way = 12 * shutter / 180;
+        for (int x = 0; x < 64; ++x)
+            EXPECT_NEAR(frame.layer("")->value(x, 32), coverage(x, 27, 37, way), 1.0 / 40) << shutter << " " << x;
+    }
+}
+
+TEST(MotionBlur, AMovingCameraBlursAsTheSceneWould)
+{
+    const Scene by_camera = boards({{.side = 20, .at = {0, 0, -5}}}, 64, {-16 * 48, 0, 0});
+    RenderOptions options = options_of(64);
+    options.shutter = 180;
+    const Frame frame = frame_of(by_camera, options);
+    for (int x = 0; x < 64; ++x) EXPECT_NEAR(frame.layer("")->value(x, 32), coverage(x, 22, 42, 16), 1.0 / 64) << x;
+}
+
+// At the clip's first frame, nothing has moved before it.
+TEST(MotionBlur, NothingMovesBeforeTheClip)
+{
+    const Scene scene = boards({{.side = 20, .at = {8 * 48, 0, -5}, .speed = {16 * 48, 0, 0}}}, 64);
+    RenderOptions options = options_of(64);
+    options.shutter = 180;
+    const Frame frame = frame_of(scene, options, 1);
+    for (int x = 0; x < 64; ++x) {
+        const double at_rest = x >= 22 && x < 42 ? 1 : 0;
+        const double moving = coverage(x, 26, 46, 8);
+        EXPECT_NEAR(frame.layer("")->value(x, 32), 0.5 * (at_rest + moving), 1.0 / 32) << x;
+    }
+}
+
+TEST(MotionBlur, WhatStandsStillHasTheSameBytes)
+{
+    // A moving square on the left, still ones on the right, lit, with a shadow far from the latter.
+    const Scene scene = boards({{.side = 8, .at = {-20, 16, -5}, .speed = {6 * 48, 0, 0}},
+                                {.color = {0.3f, 0.6f, 0.2f}, .side = 9.3f, .at = {18, -7.2, -6}},
+                                {.color = {0.8f, 0.1f, 0.2f}, .side = 6.1f, .at = {15, -12.7, -4}}},
+                               64);
+    for (const int samples : {1, 4, k_adaptive_samples}) {
+        RenderOptions options = options_of(samples);
+        const Frame still = frame_of(scene, options);
+        options.shutter = 180;
+        Renderer renderer(options);
+        const Frame blurred = renderer.render(scene, k_frame);
+        std::size_t different = 0;
+        for (int y = 0; y < 64; ++y)
+            for (int x = 0; x < 64; ++x) {
+                bool same = true;
+                for (int c = 0; c < 3; ++c)
+                    same = same && still.layer("")->value(x, y, c) == blurred.layer("")->value(x, y, c);
+                if (x >= 30 || y >= 30) {
+                    EXPECT_TRUE(same) << x << " " << y << ", samples " << samples;
+                }
+                different += !same;
+            }
+        EXPECT_GT(different, samples == 1 ? 0u : 20u);
+        EXPECT_LT(blurred.counters.samples.pixels - still.counters.samples.pixels, 64u * 64 / 4);
+    }
+}
+
+TEST(MotionBlur, AClosedShutterAndAStillSceneChangeNothing)
+{
+    const Scene moving = load("builtin:spheres?objects=20&dynamic=20&vertices=200");
+    const Scene still = load("builtin:spheres?objects=20&dynamic=0&vertices=200");
+    for (const int samples : {2, k_adaptive_samples}) {
+        RenderOptions options{.size = {48, 32}, .samples = samples, .threads = 1, .layers = true};
+        const Frame before = frame_of(moving, options, 2), before_still = frame_of(still, options, 2);
+        options.shutter = 0;
+        test::expect_same(frame_of(moving, options, 2), before);
+        options.shutter = 180;
+        test::expect_same(frame_of(still, options, 2), before_still);
+    }
+}
+
+TEST(MotionBlur, SameBytesForAnyNumberOfThreadsAndAnyHistory)
+{
+    const Scene scene = load("builtin:spheres?objects=20&dynamic=20&vertices=200");
+    RenderOptions options{.size = {56, 40}, .samples = k_adaptive_samples, .threads = 1, .layers = true};
+    options.shutter = 180, options.f_number = 2, options.focus = 8;
+    options.ids = true, options.motion = true;
+    const Frame alone = frame_of(scene, options, 4);
+    options.threads = 3;
+    Renderer renderer(options);
+    for (const int frame : {2, 3, 4, 7}) {
+        const Frame one = renderer.render(scene, frame);
+        if (frame == 4) test::expect_same(one, alone);
+    }
+    test::expect_same(renderer.render(scene, 4), alone);
+    options.shadow_culling = ShadowCulling::off;
+    test::expect_same(frame_of(scene, options, 4), alone);
+}
+
+TEST(MotionBlur, IdsDepthAndMotionAreThoseOfTheMiddle)
+{
+    const Scene scene = load("builtin:spheres?objects=20&dynamic=20&vertices=200");
+    RenderOptions options{.size = {56, 40}, .samples = k_adaptive_samples, .threads = 1, .layers = true};
+    options.ids = true, options.motion = true;
+    const Frame sharp = frame_of(scene, options, 4);
+    options.shutter = 180, options.aperture = 20, options.focus = 8;
+    const Frame blurred = frame_of(scene, options, 4);
+    for (const char* name : {"depth", "normal", "motion"}) {
+        const auto a = sharp.layer(name)->values(), b = blurred.layer(name)->values();
+        EXPECT_TRUE(std::equal(a.begin(), a.end(), b.begin(), b.end())) << name;
+    }
+    const auto a = sharp.layer("id")->ids(), b = blurred.layer("id")->ids();
+    EXPECT_TRUE(std::equal(a.begin(), a.end(), b.begin(), b.end()));
+    const auto c = sharp.layer("")->values(), d = blurred.layer("")->values();
+    EXPECT_FALSE(std::equal(c.begin(), c.end(), d.begin(), d.end()));
+}
+
+// A small bright square at twice the distance of what is sharp.
+TEST(DepthOfField, APointBecomesADiscOfTheThinLensAndKeepsItsEnergy)
+{
+    constexpr double k_depth = 10, k_focus = 5, k_aperture = 1600;   // the last in millimetres
+    const Scene scene = boards({{.color = glm::vec3(1), .side = 0.4f, .at = {0.07, 0.07, -k_depth}}}, 0);
+    RenderOptions options = options_of(256);
+    const double energy = sum_of(frame_of(scene, options));
+    options.aperture = k_aperture, options.focus = k_focus;
+    const double spread = 2 * std::tan(0.4) / 64;   // of a pixel
+    const double diameter = 1e-3 * k_aperture * (k_depth - k_focus) / (k_depth * k_focus * spread);
+    ASSERT_GT(diameter, 6);
+    for (const int samples : {256, k_adaptive_samples}) {
+        options.samples = samples;
+        const Frame frame = frame_of(scene, options);
+        EXPECT_NEAR(sum_of(frame) / energy, 1, 0.02) << samples;
+        // The second moment along an axis of a disc is the sixteenth of its squared diameter; the square adds its own.
+        double sum = 0, first = 0, second = 0;
+        for (int y = 0; y < 64; ++y)
+            for (int x = 0; x < 64; ++x) {
+                const double light = static_cast<double>(frame.layer("")->value(x, y));
+                sum += light, first += light * x, second += light * x * x;
+            }
+        const double variance = second / sum - first / sum * (first / sum);
+        const double side = 0.4 / (k_depth * spread);
+        const double expected = diameter * diameter / 16 + (side * side + (samples > 0 ? 1 : 1.5)) / 12;
+        EXPECT_NEAR(std::sqrt(variance / expected), 1, 0.03) << samples;
+    }
+}
+
+TEST(DepthOfField, WhatIsInFocusHasTheSameBytes)
+{
+    const Scene scene = boards({{.color = {0.3f, 0.6f, 0.2f}, .side = 3, .at = {-1, 0, -5}},
+                                {.color = {0.9f, 0.2f, 0.1f}, .side = 2, .at = {2.4, 0, -5}}},
+                               0);
+    RenderOptions options = options_of(k_adaptive_samples);
+    const Frame sharp = frame_of(scene, options);
+    options.f_number = 2.8, options.focus = 5;
+    const Frame frame = frame_of(scene, options);
+    for (int y = 24; y < 40; ++y)
+        for (int x = 12; x < 28; ++x)
+            EXPECT_EQ(frame.layer("")->value(x, y), sharp.layer("")->value(x, y)) << x << " " << y;
+}
+
+TEST(DepthOfField, AutomaticFocusIsThatOfTheMiddle)
+{
+    const Scene scene = boards({{.color = {0.3f, 0.6f, 0.2f}, .side = 4, .at = {0, 0, -7}}}, 0);
+    RenderOptions options = options_of(k_adaptive_samples);
+    options.aperture = 50;
+    const Frame automatic = frame_of(scene, options);
+    options.focus = 7;
+    test::expect_same(automatic, frame_of(scene, options));
+}
+
+TEST(Lens, AllRaysOfAPlaceMeetInThePlaneOfFocus)
+{
+    scene::View view;
+    view.size = {64, 48}, view.pixel_spread = 0.02f, view.shift = {0.1f, -0.2f};
+    view.eye = {1, 2, 3}, view.right *= 0.6f, view.up *= 0.45f;
+    const scene::Lens lens{.radius = 0.2f, .focus = 3};
+    for (const glm::vec2 at : {glm::vec2(0), glm::vec2(1, 0), glm::vec2(-0.3f, 0.8f)}) {
+        glm::vec3 origin, direction, centre, straight;
+        float tnear, tfar;
+        view.ray(10, 7, centre, straight, tnear, tfar);
+        scene::lens_ray(view, lens, 10, 7, at, origin, direction, tnear, tfar);
+        const glm::vec3 there = centre + straight * (lens.focus / glm::dot(straight, view.forward));
+        const glm::vec3 here = origin + direction * (lens.focus / glm::dot(direction, view.forward));
+        EXPECT_LT(glm::length(there - here), 1e-5f);
+        EXPECT_NEAR(glm::length(origin - view.eye), lens.radius * glm::length(at), 1e-6f);
+    }
+    EXPECT_EQ(scene::circle_of_confusion(view, lens, 3), 0);
+    EXPECT_NEAR(scene::circle_of_confusion(view, lens, 6), 0.4f * 3 / 6 / (3 * 0.02f), 1e-4f);
+    EXPECT_NEAR(scene::circle_of_confusion(view, lens, k_infinity), 0.4f / (3 * 0.02f), 1e-4f);
+}
+
+double shown(float x)
+{
+    return std::sqrt(static_cast<double>(x) / (1 + static_cast<double>(x)));
+}
+
+// Root mean square of the differences, as shading::shown() has them, where a frame differs from one without blur.
+double error_of(const ImageF& image, const ImageF& truth, const ImageF& sharp)
+{
+    double sum = 0, values = 0;
+    for (std::size_t i = 0; i < image.data.size(); ++i) {
+        if (std::abs(shown(truth.data[i]) - shown(sharp.data[i])) < 0.003) continue;
+        const double apart = shown(image.data[i]) - shown(truth.data[i]);
+        sum += apart * apart, ++values;
+    }
+    EXPECT_GT(values, 100);
+    return std::sqrt(sum / values);
+}
+
+TEST(Blur, AdaptiveSamplesErrLessThanAsManyRandomOnes)
+{
+    struct Case {
+        const char* name;
+        double shutter, aperture;
+    };
+    for (const Case& c : {Case{"shutter", 180, 0}, Case{"lens", 0, 600}, Case{"both", 180, 600}}) {
+        // Squares at many depths, some of which move.
+        Random random_boards(7);
+        std::vector<Board> made;
+        for (int i = 0; i < 24; ++i) {
+            const auto at = [&](float low, float high) {
+                return static_cast<double>(random_boards.uniform(low, high));
+            };
+            const glm::vec3 color(at(0, 1), at(0, 1), at(0, 1));
+            const double depth = at(3, 12);
+            made.push_back({.color = color,
+                            .side = static_cast<float>(at(0.1f, 0.3f) * depth),
+                            .at = {at(-0.6f, 0.6f) * depth, at(-0.4f, 0.4f) * depth, -depth},
+                            .speed = i % 2 ? glm::dvec3(at(-1, 1), at(-1, 1), 0) * depth * 8.0 : glm::dvec3(0)});
+        }
+        const Scene scene = boards(made, 0);
+        const std::shared_ptr<const scene::Scene> inside = api::scene_of(scene);
+        frame::FrameEngine engine({.threads = 2});
+        struct Result {
+            ImageF color;
+            double samples;
+        };
+        const auto render = [&](int samples, bool random, bool blurs = true) {
+            RenderOptions options = options_of(samples);
+            options.shutter = blurs ? c.shutter : 0, options.aperture = blurs ? c.aperture : 0;
+            const double time = scene.time_of(k_frame), half = c.shutter / 720 / scene.fps();
+            engine.advance(inside, time, options);
+            frame::RenderRequest request;
+            request.shutter.emplace();
+            request.shutter->open = time - half, request.shutter->close = time + half;
+            request.shutter->view_at = [&](const scene::SceneState& state, double) {
+                return engine.view_in(state, 0, {96, 64}, {});
+            };
+            request.random_blur = random;
+            const FrameCounters counters = engine.render(engine.make_view(0, {96, 64}), request);
+            return Result{engine.buffers().color, static_cast<double>(counters.samples.taken) / (96 * 64)};
+        };
+        const ImageF sharp = render(256, false, false).color;
+        const Result truth = render(1024, false);
+        const double random = error_of(render(64, true).color, truth.color, sharp);
+        const Result adaptive = render(k_adaptive_samples, false);
+        const double error = error_of(adaptive.color, truth.color, sharp);
+        // Random samples err by the square root of their number.
+        const double equal = 64 * (random / error) * (random / error);
+        EXPECT_LT(adaptive.samples, 0.4 * equal) << c.name << ": " << error << ", random " << random;
+        EXPECT_LT(error_of(render(32, false).color, truth.color, sharp), 1.05 * random) << c.name;
+    }
+}
+
+TEST(BlurSample, EachRoundFillsTheStrataOfTimeEvenly)
+{
+    for (const glm::ivec2 pixel : {glm::ivec2(0, 0), glm::ivec2(17, 4), glm::ivec2(1023, 7)})
+        for (const std::uint32_t samples : {8u, 32u, 64u, 128u}) {
+            std::vector<std::uint32_t> in(samples < 64 ? samples : 64, 0);
+            for (std::uint32_t s = 0; s < samples; ++s)
+                ++in[static_cast<std::size_t>(trace::blur_sample(pixel, s, 64, false).time) * in.size() / 64];
+            for (const std::uint32_t count : in) EXPECT_EQ(count, samples / in.size());
+        }
+}
+
+TEST(BlurSample, PlacesOfARoundFillThePixelAndTheLensEvenly)
+{
+    // One of 16 points in each of 16 columns and rows; of the lens, equal numbers in the four quadrants.
+    for (const glm::ivec2 pixel : {glm::ivec2(0, 0), glm::ivec2(17, 4), glm::ivec2(1023, 7)}) {
+        int columns[16] = {}, rows[16] = {}, quadrants[4] = {};
+        for (std::uint32_t s = 0; s < 16; ++s) {
+            const trace::BlurSample sample = trace::blur_sample(pixel, s, 64, false);
+            ++columns[static_cast<int>(sample.offset.x * 16)], ++rows[static_cast<int>(sample.offset.y * 16)];
+            ++quadrants[(sample.lens.x > 0) + 2 * (sample.lens.y > 0)];
+            EXPECT_LE(glm::length(sample.lens), 1.0001f);
+        }
+        for (int i = 0; i < 16; ++i) EXPECT_TRUE(columns[i] == 1 && rows[i] == 1);
+        for (const int count : quadrants) EXPECT_EQ(count, 4);
+    }
+}
+
+TEST(Lens, MisuseIsRefused)
+{
+    const auto refused = [](auto&& change) {
+        RenderOptions options;
+        change(options);
+        EXPECT_THROW(check_options(options), UsageError);
+    };
+    refused([](RenderOptions& o) { o.shutter = -1; });
+    refused([](RenderOptions& o) { o.shutter = 361; });
+    refused([](RenderOptions& o) { o.f_number = -2; });
+    refused([](RenderOptions& o) { o.f_number = 2, o.aperture = 3; });
+    refused([](RenderOptions& o) { o.focus = 3; });
+    refused([](RenderOptions& o) { o.f_number = 2, o.focus = 0; });
+    refused([](RenderOptions& o) { o.shutter = 180, o.reference.emplace(); });
+    refused([](RenderOptions& o) { o.f_number = 2, o.shadow_culling = ShadowCulling::paper; });
+    RenderOptions options = options_of(1);
+    options.f_number = 2;
+    EXPECT_THROW(frame_of(boards({{.at = {0, 0, -5}}}, 8), options), UsageError);
+}
+
+}   // namespace
+}   // namespace gnomon
