@@ -111,8 +111,9 @@ TEST(View, ShowsRedrawnTexels)
               "sleep 1\nkey Home\nkey p\nawait gnomon-0001.png\nkey Right\nkey p\nawait gnomon-0002.png\nkey "
               "o\nkey p\nawait gnomon-0003.png\nkey Escape\n");
     ASSERT_EQ(seen.code, 0) << seen.err;
-    const Outcome rendered = run({"render", "builtin:cornell", "--frames", "1-2", "--size", "320x240", "--renderer",
-                                  "raster", "--overlay", "redrawn", "-o", folder / "redrawn-{frame:04}.png"});
+    const Outcome rendered =
+        run({"render", "builtin:cornell", "--frames", "1-2", "--size", "320x240", "--renderer", "raster", "--overlay",
+             "redrawn", "--exposure", "auto-frame", "-o", folder / "redrawn-{frame:04}.png"});
     ASSERT_EQ(rendered.code, 0) << rendered.err;
     // The ball is red in both images. The area that it left equals the previous frames, which are the window's own.
     const Image8 shown = io::read_image(folder / "gnomon-0002.png"),

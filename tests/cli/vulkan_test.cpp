@@ -148,7 +148,7 @@ TEST(VulkanProgram, RasterWithoutADriverIsAMissingError)
 Outcome video(const ScratchFolder& folder, const std::string& fault)
 {
     return run({"render", "builtin:cornell", "-o", folder / "{frame:04}.png", "--renderer", "raster", "--size", "48x48",
-                "--frames", "1-6", "--quiet"},
+                "--frames", "1-6", "--exposure", "0", "--quiet"},
                {{"LD_LIBRARY_PATH", places::failing_vulkan}, {"GNOMON_TEST_VULKAN_FAULT", fault}});
 }
 

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include "base/interruption.h"
-
 namespace gnomon::irradiance_cache {
 
 bool includes_near_field(const CacheFrame& frame, const CachePoint& point)
@@ -42,7 +40,7 @@ bool dynamic_may_occlude_near(const CacheFrame& frame, const CachePoint& point)
     return false;
 }
 
-void NearOfPoints::add_static(const CacheFrame& frame, std::span<CachePoint* const> points, CacheCounters& counters)
+void NearOfPoints::find_static(const CacheFrame& frame, std::span<CachePoint* const> points, CacheCounters& counters)
 {
     points_.clear();
     for (CachePoint* point : points) {
@@ -50,6 +48,10 @@ void NearOfPoints::add_static(const CacheFrame& frame, std::span<CachePoint* con
         if (includes_near_field(frame, *point)) points_.push_back(point);
     }
     gather(frame, ray::Against::static_only, counters, answers_);
+}
+
+void NearOfPoints::add_found() noexcept
+{
     for (std::size_t k = 0; k < points_.size(); ++k)
         for (int colour = 0; colour < 3; ++colour) {
             const glm::vec3& light = answers_[k].light[colour];
@@ -79,7 +81,6 @@ void NearOfPoints::gather(const CacheFrame& frame, ray::Against against, CacheCo
     const std::size_t most = std::max<std::size_t>(1, k_rays / static_cast<std::size_t>(frame.options.near_rays));
     answers.resize(points_.size());
     for (std::size_t next = 0; next < points_.size();) {
-        interruption_point();
         const std::size_t count = std::min(most, points_.size() - next);
         receivers_.clear();
         for (std::size_t k = next; k < next + count; ++k)

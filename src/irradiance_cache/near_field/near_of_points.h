@@ -20,8 +20,10 @@ bool dynamic_may_occlude_near(const CacheFrame& frame, const CachePoint& point);
 /// Holds a thread's scratch memory.
 class NearOfPoints {
  public:
-    /// Adds the near field of those points that include it to their static light.
-    void add_static(const CacheFrame& frame, std::span<CachePoint* const> points, CacheCounters& counters);
+    /// Finds the near field of those points that include it, past static geometry.
+    void find_static(const CacheFrame& frame, std::span<CachePoint* const> points, CacheCounters& counters);
+    /// Adds it to the points' static light. Nothing fails.
+    void add_found() noexcept;
     /// Corrects the present light of points whose near field dynamic objects may occlude. Cost: for these points, their
     /// near field twice; for others a test against the bounds of dynamic objects.
     void correct(const CacheFrame& frame, std::span<CachePoint* const> points, CacheCounters& counters);

@@ -107,6 +107,9 @@ void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTeste
     tester.test(rays_, ray::Against::static_only, occluded_, counters);
     if (frame.rays->thins_light()) thin_nodes(frame);
     near_.trace(frame);
+    points_.clear();
+    for (const Added& added : added_) points_.push_back(added.point);
+    near_field_.find_static(frame, points_, counters);   // before any point is complete
     counters.rays += near_.rays();
     glm::vec3 rest[3] = {};
     for (std::size_t a = 0; a < added_.size(); ++a) {
@@ -122,9 +125,7 @@ void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTeste
         counters.nodes += seen_.size();
     }
     counters.new_points += added_.size();
-    points_.clear();
-    for (const Added& added : added_) points_.push_back(added.point);
-    near_field_.add_static(frame, points_, counters);
+    near_field_.add_found();
 }
 
 }   // namespace gnomon::irradiance_cache
