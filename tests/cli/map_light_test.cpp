@@ -8,10 +8,11 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-// Renders frames 5 to 8 with layers, in which the ball moves.
+// Renders frames 5 to 8 with layers, in which the ball moves. The exposure is fixed: a clip has one for all its frames,
+// and a single frame its own, by which samples are chosen.
 void make(const std::string& out, const Words& more)
 {
-    Words words{"render", "builtin:cornell", "-o", out, "--size", "72x64"};
+    Words words{"render", "builtin:cornell", "-o", out, "--size", "72x64", "--exposure", "0"};
     words.insert(words.end(), more.begin(), more.end());
     const Outcome outcome = run(words);
     ASSERT_EQ(outcome.code, 0) << outcome.err;
