@@ -43,6 +43,7 @@ std::string name_like(const std::filesystem::path& folder, const std::string& na
     std::string plain = name;
     std::replace(plain.begin(), plain.end(), '\\', '/');
     if (plain.size() > 1 && plain.front() == '"' && plain.back() == '"') plain = plain.substr(1, plain.size() - 2);
+    if (plain.empty() || plain.back() == '/') return {};   // a folder
     const bool elsewhere = fs::path(plain).is_absolute() || (plain.size() > 1 && plain[1] == ':');
     std::error_code error;
     if (!elsewhere && fs::exists(folder / plain, error) && !error) return plain;
