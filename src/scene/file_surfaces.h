@@ -47,6 +47,13 @@ bool show_invisible(Scene& scene);
 /// @return  the number of parts
 std::size_t open_shells(Scene& scene);
 
+/// Gives meshes without tangents some, where a material has a normal map or is brushed: the mean over the triangles
+/// around each vertex, as MikkTSpace has it, so that smooth surfaces have no facets. Meshes on which triangles with
+/// mirrored texture coordinates share vertices keep those of their triangles, and so do textures that are turned by a
+/// transform.
+/// @return  the number of meshes
+std::size_t add_tangents(Scene& scene);
+
 /// turn_surfaces(), find_sky_domes() and show_invisible(), with a warning for each repair.
 void repair_surfaces(Scene& scene);
 

@@ -11,6 +11,7 @@
 #include "scene/defaults/framing.h"
 #include "scene/defaults/surroundings.h"
 #include "scene/file_surfaces.h"
+#include "scene/material_layers.h"
 
 namespace gnomon::scene {
 namespace {
@@ -192,6 +193,40 @@ TEST(SurfaceRepairs, NoGroundHidesWhatIsSeenFromBelow)
     add_default_camera(scene);
     add_surroundings(scene);
     for (const Node& node : scene.nodes) EXPECT_NE(node.name, k_default_ground);
+}
+
+TEST(SurfaceRepairs, SmoothMeshesHaveSmoothTangents)
+{
+    Mesh mesh = ball();
+    for (const glm::vec3& n : mesh.normals) mesh.texcoords[0].push_back({std::atan2(n.z, n.x), -n.y});
+    // At the seam, vertices of the last step have the angle of a whole turn.
+    for (std::size_t v = 16; v < mesh.positions.size(); v += 17) mesh.texcoords[0][v].x = static_cast<float>(2 * k_pi);
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+        if (v % 17 != 16 && mesh.texcoords[0][v].x < -1e-5f) mesh.texcoords[0][v].x += static_cast<float>(2 * k_pi);
+    Scene scene = scene_of({mesh, mesh});
+    MaterialLayers brushed;
+    brushed.anisotropy = 1;
+    scene.materials[0].layers = std::make_shared<const MaterialLayers>(brushed);
+    EXPECT_EQ(add_tangents(scene), 1u) << "the other mesh needs none";
+    const Mesh& smooth = scene.meshes[0];
+    ASSERT_EQ(smooth.tangents.size(), smooth.positions.size());
+    for (std::size_t v = 17; v + 17 < smooth.positions.size(); ++v) {
+        const glm::vec3& n = smooth.normals[v];
+        const glm::vec3 along = glm::normalize(glm::vec3(-n.z, 0, n.x));        // of growing angles
+        EXPECT_GT(glm::dot(glm::vec3(smooth.tangents[v]), along), .98f) << v;   // one-sided means at the seam
+        // The second tangent points up, against v.
+        EXPECT_GT((glm::cross(n, along) * smooth.tangents[v].w).y, 0) << v;
+    }
+    EXPECT_EQ(add_tangents(scene), 0u) << "a file's own tangents stay";
+
+    // Halves with mirrored coordinates that share vertices, and turned textures, keep the tangents of their triangles.
+    Scene mirrored = scene_of({mesh});
+    for (glm::vec2& uv : mirrored.meshes.edit(0).texcoords[0]) uv.x = std::abs(uv.x - 3.0f);
+    mirrored.materials[0].layers = std::make_shared<const MaterialLayers>(brushed);
+    EXPECT_EQ(add_tangents(mirrored), 0u);
+    brushed.anisotropy_texture.rotation = 1;
+    scene.materials[1].layers = std::make_shared<const MaterialLayers>(brushed);
+    EXPECT_EQ(add_tangents(scene), 0u);
 }
 
 // The whole way of a file: an image that shows something, with a warning, and as it is written if reading is strict.

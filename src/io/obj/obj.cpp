@@ -154,6 +154,7 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
     scene::find_solid_blends(scene);
     scene::find_outlines(scene);
     if (!options.strict) repair_surfaces(scene);
+    scene::add_tangents(scene);
     scene.finish();
     return scene;
 }
