@@ -12,12 +12,12 @@
 namespace gnomon {
 namespace {
 
-// A room with a box that may move, a mirror and a lamp.
+// A room with a box that may move, a mirror and a bulb.
 struct World {
     SceneBuilder builder;
     MaterialId grey, mirror;
     InstanceId box;
-    LightId lamp;
+    LightId bulb;
     std::optional<Scene> made;
     const Scene& scene() const { return *made; }
 
@@ -34,7 +34,7 @@ struct World {
             Transform::translation(0, 1, -2) * Transform::rotation({1, 0, 0}, 1.5707963) * Transform::scaling(2, 1, 1));
         box = builder.instance(flat, grey, Transform::translation(0, 0.5, 0) * Transform::scaling(0.4, 1, 0.4),
                                {.mobility = Mobility::may_move});
-        lamp = builder.light({.color = {20, 20, 20}}, Transform::translation(0.5, 2, 0.5));
+        bulb = builder.light({.color = {20, 20, 20}}, Transform::translation(0.5, 2, 0.5));
         const std::vector<float> sky = {0.2f, 0.3f, 0.4f, 0.1f, 0.1f, 0.1f};
         builder.environment({.width = 1, .height = 2, .pixels = sky});
         made = builder.finish();
@@ -117,7 +117,7 @@ TEST(KeptImage, EndsWithWhateverChanges)
     expect_new(change, "moved object");
     change.transforms.clear();
     Light brighter{.color = {30, 20, 10}};
-    change.lights = all.lights = {{world.lamp, brighter}};
+    change.lights = all.lights = {{world.bulb, brighter}};
     expect_new(change, "light");
     change.lights.clear();
     change.materials = all.materials = {{world.grey, {.base_color = {0.2f, 0.6f, 0.3f}}}};
