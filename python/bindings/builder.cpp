@@ -242,21 +242,20 @@ void add_geometry(py::class_<Builder>& builder)
             },
             py::arg("id"), py::arg("positions"), py::arg("triangles") = py::none(),
             "Replaces a mesh in all its instances; the arguments are those of mesh().")
-        .def(
-            "texture", add_texture, py::arg("pixels"), py::kw_only(), py::arg("srgb") = true,
-            py::arg("wrap_u") = "repeat", py::arg("wrap_v") = "repeat", py::arg("magnify") = "linear",
-            py::arg("minify") = "linear", py::arg("mipmaps") = true, py::arg("name") = "",
-            "texture($self, pixels, *, srgb=True, wrap_u='repeat', wrap_v='repeat', magnify='linear', minify='linear', "
-            "mipmaps=True, name='')\n--\n\n"
-            "Adds a texture.\n\n"
-            "pixels   (height, width) or (height, width, 1 to 4) uint8, row 0 at the top; or the bytes of a PNG or "
-            "JPEG "
-            "file\n"
-            "srgb     colour is sRGB-encoded; False: linear data, such as normals\n"
-            "wrap_u, wrap_v   'repeat', 'mirror' or 'clamp'\n"
-            "magnify, minify  'nearest' or 'linear'")
+        .def("texture", add_texture, py::arg("pixels"), py::kw_only(), py::arg("srgb") = true,
+             py::arg("wrap_u") = "repeat", py::arg("wrap_v") = "repeat", py::arg("magnify") = "linear",
+             py::arg("minify") = "linear", py::arg("mipmaps") = true, py::arg("name") = "",
+             "texture(self, pixels, *, srgb=True, wrap_u='repeat', wrap_v='repeat', magnify='linear', minify='linear', "
+             "mipmaps=True, name='')\n--\n\n"
+             "Adds a texture.\n\n"
+             "pixels   (height, width) or (height, width, 1 to 4) uint8, row 0 at the top; or the bytes of a PNG or "
+             "JPEG "
+             "file\n"
+             "srgb     colour is sRGB-encoded; False: linear data, such as normals\n"
+             "wrap_u, wrap_v   'repeat', 'mirror' or 'clamp'\n"
+             "magnify, minify  'nearest' or 'linear'")
         .def("skin", add_skin, py::arg("joints"), py::arg("inverse_bind"), py::arg("name") = "",
-             "skin($self, joints, inverse_bind, name='')\n--\n\n"
+             "skin(self, joints, inverse_bind, name='')\n--\n\n"
              "Adds a skin.\n\njoints        nodes\ninverse_bind  (joints, 4, 4) float: from the mesh's space to the "
              "joint's at rest");
 }
@@ -271,7 +270,7 @@ void add_nodes(py::class_<Builder>& builder)
             },
             py::arg("transform") = py::none(), py::kw_only(), py::arg("mobility") = "fixed",
             py::arg("parent") = py::none(), py::arg("name") = "",
-            "node($self, transform=None, *, mobility='fixed', parent=None, name='')\n--\n\n"
+            "node(self, transform=None, *, mobility='fixed', parent=None, name='')\n--\n\n"
             "Adds a node without a mesh.\n\n"
             "transform  (4, 4) or (3, 4): to the parent's space\n"
             "mobility   'fixed', 'may_move' or 'may_deform': of everything below, too\n"
@@ -287,7 +286,7 @@ void add_nodes(py::class_<Builder>& builder)
             py::arg("mesh"), py::arg("material") = py::none(), py::arg("transform") = py::none(), py::kw_only(),
             py::arg("mobility") = "fixed", py::arg("parent") = py::none(), py::arg("name") = "",
             py::arg("skin") = py::none(), py::arg("morph_weights") = py::none(), py::arg("reach") = py::none(),
-            "instance($self, mesh, material=None, transform=None, *, mobility='fixed', parent=None, name='', "
+            "instance(self, mesh, material=None, transform=None, *, mobility='fixed', parent=None, name='', "
             "skin=None, "
             "morph_weights=None, reach=None)\n--\n\n"
             "Places a mesh in the scene.\n\n"
@@ -305,7 +304,7 @@ void add_nodes(py::class_<Builder>& builder)
             py::arg("node"), py::arg("mesh"), py::arg("material") = py::none(), py::kw_only(),
             py::arg("mobility") = "fixed", py::arg("skin") = py::none(), py::arg("morph_weights") = py::none(),
             py::arg("reach") = py::none(),
-            "attach($self, node, mesh, material=None, *, mobility='fixed', skin=None, morph_weights=None, "
+            "attach(self, node, mesh, material=None, *, mobility='fixed', skin=None, morph_weights=None, "
             "reach=None)\n--\n\nGives a node that has none a mesh.")
         .def(
             "set_transform",
@@ -313,7 +312,7 @@ void add_nodes(py::class_<Builder>& builder)
                 b.open().set_transform(node, transform(place, "transform"));
             },
             py::arg("node"), py::arg("transform"),
-            "set_transform($self, node, transform)\n--\n\nReplaces a node's transform to its parent's space, and its "
+            "set_transform(self, node, transform)\n--\n\nReplaces a node's transform to its parent's space, and its "
             "track if it has one.")
         .def(
             "set_mobility",
@@ -321,9 +320,9 @@ void add_nodes(py::class_<Builder>& builder)
                 b.open().set_mobility(node, value_of<Mobility>(mobility, "mobility"));
             },
             py::arg("node"), py::arg("mobility"),
-            "set_mobility($self, node, mobility)\n--\n\nDeclares what may change at a node and everything below it.")
+            "set_mobility(self, node, mobility)\n--\n\nDeclares what may change at a node and everything below it.")
         .def("remove", remove_part, py::arg("id"),
-             "remove($self, id)\n--\n\nRemoves a part. With a node or instance goes everything below it; the node of a "
+             "remove(self, id)\n--\n\nRemoves a part. With a node or instance goes everything below it; the node of a "
              "light or camera stays.\nRaises UsageError if something uses the part.");
 }
 
@@ -332,9 +331,9 @@ void add_looks(py::class_<Builder>& builder)
     builder
         .def(
             "material", [](Builder& b, py::handle m) { return b.open().material(read_as<Material>(m, "material")); },
-            py::arg("material"), "material($self, material)\n--\n\nAdds a Material.")
+            py::arg("material"), "material(self, material)\n--\n\nAdds a Material.")
         .def("set_material", set_material, py::arg("of"), py::arg("material"),
-             "set_material($self, of, material)\n--\n\nReplaces the values of a material (MaterialId, Material), or "
+             "set_material(self, of, material)\n--\n\nReplaces the values of a material (MaterialId, Material), or "
              "gives "
              "an instance another one (InstanceId, MaterialId).")
         .def(
@@ -345,7 +344,7 @@ void add_looks(py::class_<Builder>& builder)
             },
             py::arg("light"), py::arg("transform") = py::none(), py::kw_only(), py::arg("mobility") = "fixed",
             py::arg("parent") = py::none(),
-            "light($self, light, transform=None, *, mobility='fixed', parent=None)\n--\n\n"
+            "light(self, light, transform=None, *, mobility='fixed', parent=None)\n--\n\n"
             "Adds a Light and the node that carries it; it shines along the node's -Z.")
         .def(
             "set_light",
@@ -353,7 +352,7 @@ void add_looks(py::class_<Builder>& builder)
                 b.open().set_light(id, read_as<Light>(light, "light"));
             },
             py::arg("id"), py::arg("light"),
-            "set_light($self, id, light)\n--\n\nReplaces the values of a light; its node stays.")
+            "set_light(self, id, light)\n--\n\nReplaces the values of a light; its node stays.")
         .def(
             "area_light",
             [](Builder& b, py::handle light, py::handle place, const std::string& mobility, py::handle parent,
@@ -365,7 +364,7 @@ void add_looks(py::class_<Builder>& builder)
             },
             py::arg("light"), py::arg("transform") = py::none(), py::kw_only(), py::arg("mobility") = "fixed",
             py::arg("parent") = py::none(), py::arg("name") = "",
-            "area_light($self, light, transform=None, *, mobility='fixed', parent=None, name='')\n--\n\n"
+            "area_light(self, light, transform=None, *, mobility='fixed', parent=None, name='')\n--\n\n"
             "Adds an AreaLight as a mesh with an emissive material: returns (InstanceId, MaterialId).")
         .def(
             "camera",
@@ -373,7 +372,7 @@ void add_looks(py::class_<Builder>& builder)
                 return b.open().camera(read_as<Camera>(camera, "camera"), node_options(mobility, parent, ""));
             },
             py::arg("camera"), py::kw_only(), py::arg("mobility") = "fixed", py::arg("parent") = py::none(),
-            "camera($self, camera, *, mobility='fixed', parent=None)\n--\n\n"
+            "camera(self, camera, *, mobility='fixed', parent=None)\n--\n\n"
             "Adds a Camera and the node that carries it, whose transform is the camera's.")
         .def(
             "set_camera",
@@ -381,9 +380,9 @@ void add_looks(py::class_<Builder>& builder)
                 b.open().set_camera(id, read_as<Camera>(camera, "camera"));
             },
             py::arg("id"), py::arg("camera"),
-            "set_camera($self, id, camera)\n--\n\nReplaces the values of a camera, and its node's transform.")
+            "set_camera(self, id, camera)\n--\n\nReplaces the values of a camera, and its node's transform.")
         .def("environment", set_environment, py::arg("pixels"), py::kw_only(), py::arg("lights") = 16,
-             "environment($self, pixels, *, lights=16)\n--\n\n"
+             "environment(self, pixels, *, lights=16)\n--\n\n"
              "Surrounds the scene with light.\n\n"
              "pixels  (height, width, 3) float: radiance in nits, longitude by latitude, the upper edge towards +Y and "
              "the centre towards -Z\n"
@@ -391,15 +390,15 @@ void add_looks(py::class_<Builder>& builder)
         .def(
             "background", [](Builder& b, py::handle color) { b.open().background(read_as<Vec3>(color, "color")); },
             py::arg("color"),
-            "background($self, color)\n--\n\nThe linear colour where rays leave the scene; it gives no light.")
+            "background(self, color)\n--\n\nThe linear colour where rays leave the scene; it gives no light.")
         .def(
             "ambient", [](Builder& b, py::handle color) { b.open().ambient(read_as<Vec3>(color, "color")); },
             py::arg("color"),
-            "ambient($self, color)\n--\n\nUniform light without shadows, used only without indirect light.")
+            "ambient(self, color)\n--\n\nUniform light without shadows, used only without indirect light.")
         .def(
             "clip", [](Builder& b, double start, double end, double fps) { b.open().clip(start, end, fps); },
             py::arg("start"), py::arg("end"), py::arg("fps"),
-            "clip($self, start, end, fps)\n--\n\nThe clip whose frames are numbered from 1; start and end in seconds.");
+            "clip(self, start, end, fps)\n--\n\nThe clip whose frames are numbered from 1; start and end in seconds.");
 }
 
 }   // namespace
@@ -419,7 +418,7 @@ void add_builder(py::module_& module)
     builder.attr("__module__") = "gnomon";
     builder.def(
         py::init<const py::object&>(), py::arg("scene") = py::none(),
-        "__init__($self, scene=None)\n--\n\nBegins with nothing, or continues a scene, whose parts keep their ids.");
+        "__init__(self, scene=None)\n--\n\nBegins with nothing, or continues a scene, whose parts keep their ids.");
     add_geometry(builder);
     add_nodes(builder);
     add_looks(builder);
@@ -430,13 +429,13 @@ void add_builder(py::module_& module)
                 return b.open().finish({.default_light = light, .default_camera = camera});
             },
             py::kw_only(), py::arg("default_light") = false, py::arg("default_camera") = false,
-            "finish($self, *, default_light=False, default_camera=False)\n--\n\n"
+            "finish(self, *, default_light=False, default_camera=False)\n--\n\n"
             "Makes a Scene of what there is now. The builder can go on.\n\n"
             "default_light   add a sky and a sun, or a light below a room's ceiling, to a scene without light\n"
             "default_camera  add a camera that shows the whole scene")
-        .def("close", &Builder::close, "close($self)\n--\n\nLets go of its memory; scenes that it made stay.")
+        .def("close", &Builder::close, "close(self)\n--\n\nLets go of its memory; scenes that it made stay.")
         .def(
-            "__enter__", [](py::object self) { return self; }, "__enter__($self)\n--\n\nReturns the builder.")
+            "__enter__", [](py::object self) { return self; }, "__enter__(self)\n--\n\nReturns the builder.")
         .def(
             "__exit__", [](Builder& b, const py::args&) { b.close(); }, "Closes the builder.");
 }

@@ -11,14 +11,23 @@ namespace gnomon::python {
 
 namespace {
 
+// The option that makes a layer.
+const char* option_of(const std::string& layer)
+{
+    if (layer == "id") return "RenderOptions.ids";
+    if (layer == "motion") return "RenderOptions.motion";
+    if (layer == "alpha") return "another RenderOptions.background";
+    return "RenderOptions.layers";
+}
+
 const Layer& layer_of(const Frame& frame, const std::string& name)
 {
     if (const Layer* layer = frame.layer(name)) return *layer;
+    for (const char* known : {"depth", "normal", "albedo", "direct", "indirect", "shadow", "alpha", "id", "motion"})
+        if (name == known) throw UsageError("the frame has no layer '" + name + "': " + option_of(name) + " makes it");
     std::string names;
     for (const Layer& layer : frame.layers) names += (names.empty() ? "'" : ", '") + layer.name + "'";
-    const char* option = name == "id" ? "ids" : name == "motion" ? "motion" : "layers";
-    throw UsageError("the frame has no layer '" + name + "', but " + names + "; RenderOptions." + option +
-                     " makes it, or no option does");
+    throw UsageError("there is no layer '" + name + "'; the frame has " + names);
 }
 
 template <int channel>
@@ -127,7 +136,7 @@ void add_views(py::class_<Frame>& frame)
         .def(
             "layer", [](const Frame& of, const std::string& name) { return view_of(layer_of(of, name)); },
             py::arg("name"),
-            "layer($self, name)\n--\n\nA view of a layer by its name: (height, width) of one channel, else (height, "
+            "layer(self, name)\n--\n\nA view of a layer by its name: (height, width) of one channel, else (height, "
             "width, channels).\nRaises UsageError if the frame has no such layer.");
 }
 
@@ -170,20 +179,20 @@ void add_frame(py::module_& module)
         "needs "
         "memory for one frame alone.");
     frame.def(py::init<const Frame&>(), py::arg("frame"),
-              "__init__($self, frame)\n--\n\nShares another frame's memory.");
+              "__init__(self, frame)\n--\n\nShares another frame's memory.");
     frame.attr("__module__") = "gnomon._gnomon";
     add_views(frame);
     add_description(frame);
     frame
         .def("srgb8", srgb8, py::kw_only(), py::arg("alpha") = false,
-             "srgb8($self, *, alpha=False)\n--\n\n(height, width, 3 or 4) uint8: as the image is shown, by exposure, "
+             "srgb8(self, *, alpha=False)\n--\n\n(height, width, 3 or 4) uint8: as the image is shown, by exposure, "
              "tone "
              "mapping and sRGB. A new array.\n\nalpha  adds a channel of alpha, which is not associated")
         .def("srgb16", srgb16, py::kw_only(), py::arg("alpha") = false,
-             "srgb16($self, *, alpha=False)\n--\n\nThe same as srgb8() with 16 bits a channel: uint16.")
+             "srgb16(self, *, alpha=False)\n--\n\nThe same as srgb8() with 16 bits a channel: uint16.")
         .def("write", write_file, py::arg("file"), py::kw_only(), py::arg("quality") = 90,
              py::arg("exr_type") = "float", py::arg("exr_compression") = "zip",
-             "write($self, file, *, quality=90, exr_type='float', exr_compression='zip')\n--\n\n"
+             "write(self, file, *, quality=90, exr_type='float', exr_compression='zip')\n--\n\n"
              "Writes .png, .jpg (both as the image is shown) or .exr (all layers, linear). The file is replaced at "
              "once.\n\n"
              "quality          of .jpg, 0 to 100\n"

@@ -91,6 +91,7 @@ PYBIND11_MODULE(_gnomon, module)
     translate_errors();
     prepare_runs();
     add_ids(module);
+    add_transforms(module);
     add_scene(module);
     add_builder(module);
     add_frame(module);

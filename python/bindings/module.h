@@ -8,10 +8,11 @@
 
 namespace gnomon::python {
 
-void add_ids(pybind11::module_& module);        // typed ids
-void add_scene(pybind11::module_& module);      // Scene, load
-void add_builder(pybind11::module_& module);    // SceneBuilder
-void add_frame(pybind11::module_& module);      // Frame
-void add_renderer(pybind11::module_& module);   // Renderer
+void add_ids(pybind11::module_& module);          // typed ids
+void add_transforms(pybind11::module_& module);   // matrices
+void add_scene(pybind11::module_& module);        // Scene, load
+void add_builder(pybind11::module_& module);      // SceneBuilder
+void add_frame(pybind11::module_& module);        // Frame
+void add_renderer(pybind11::module_& module);     // Renderer
 
 }   // namespace gnomon::python

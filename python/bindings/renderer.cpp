@@ -251,25 +251,25 @@ void add_renderer(py::module_& module)
             "options", [](const OpenRenderer& r) { return write(r.open()->options()); },
             "The options in force, as a new RenderOptions.")
         .def("pick", pick, py::arg("x"), py::arg("y"),
-             "pick($self, x, y)\n--\n\nWhat the last frame shows at the centre of a pixel, from the top left corner, "
+             "pick(self, x, y)\n--\n\nWhat the last frame shows at the centre of a pixel, from the top left corner, "
              "from "
              "0: a Pick, or None.")
-        .def("report", report, "report($self)\n--\n\nWhat the last frame changed: a FrameReport.")
+        .def("report", report, "report(self)\n--\n\nWhat the last frame changed: a FrameReport.")
         .def(
             "cancel", [](const OpenRenderer& r) { r.open()->cancel(); },
-            "cancel($self)\n--\n\nMakes the render in progress, if any, stop and raise Interrupted. From any thread.")
+            "cancel(self)\n--\n\nMakes the render in progress, if any, stop and raise Interrupted. From any thread.")
         .def(
             "transform", [](const OpenRenderer& r, const NodeId& id) { return array_of(r.open()->transform(id)); },
             py::arg("node"),
-            "transform($self, node)\n--\n\nA node's transform to its parent's space in the last frame: (4, 4).")
+            "transform(self, node)\n--\n\nA node's transform to its parent's space in the last frame: (4, 4).")
         .def(
             "world_transform",
             [](const OpenRenderer& r, const NodeId& id) { return array_of(r.open()->world_transform(id)); },
             py::arg("node"),
-            "world_transform($self, node)\n--\n\nA node's transform to the world in the last frame: (4, 4).")
+            "world_transform(self, node)\n--\n\nA node's transform to the world in the last frame: (4, 4).")
         .def(
             "visible", [](const OpenRenderer& r, const NodeId& id) { return r.open()->visible(id); }, py::arg("node"),
-            "visible($self, node)\n--\n\nWhether a node and all nodes above it were shown in the last frame.")
+            "visible(self, node)\n--\n\nWhether a node and all nodes above it were shown in the last frame.")
         .def_property_readonly(
             "camera", [](const OpenRenderer& r) { return write(r.open()->camera()); },
             "The Camera of the last frame, with its transform to the world.")
@@ -283,12 +283,12 @@ void add_renderer(py::module_& module)
             "remembered_bytes", [](const OpenRenderer& r) { return r.open()->remembered_bytes(); },
             "Bytes of remembered results, textures and geometry aside.")
         .def("improve", improve, py::arg("seconds"),
-             "improve($self, seconds)\n--\n\nUses time without work: proves results for later frames.")
+             "improve(self, seconds)\n--\n\nUses time without work: proves results for later frames.")
         .def(
             "forget", [](const OpenRenderer& r) { r.open()->forget(); },
-            "forget($self)\n--\n\nForgets the scene, the values that were handed over and everything remembered.")
+            "forget(self)\n--\n\nForgets the scene, the values that were handed over and everything remembered.")
         .def("close", &OpenRenderer::close,
-             "close($self)\n--\n\nLets go of its memory; frames stay valid. A render in progress in another thread "
+             "close(self)\n--\n\nLets go of its memory; frames stay valid. A render in progress in another thread "
              "stops.");
 }
 

@@ -78,19 +78,19 @@ void add_clip(py::class_<Scene>& scene)
         .def_property_readonly("fps", &Scene::fps, "Frames a second of the clip.")
         .def_property_readonly("info", info_of, "Statistics, names and warnings: a SceneInfo.")
         .def("time_of", &Scene::time_of, py::arg("frame"),
-             "time_of($self, frame)\n--\n\nThe time of a frame, from 1, in seconds.")
+             "time_of(self, frame)\n--\n\nThe time of a frame, from 1, in seconds.")
         .def("at_rate", &Scene::at_rate, py::arg("fps"),
-             "at_rate($self, fps)\n--\n\nThe scene at another rate of frames a second.")
+             "at_rate(self, fps)\n--\n\nThe scene at another rate of frames a second.")
         .def("lasting", &Scene::lasting, py::arg("seconds"),
-             "lasting($self, seconds)\n--\n\nA scene without animation with a clip of that length, for a turntable; "
+             "lasting(self, seconds)\n--\n\nA scene without animation with a clip of that length, for a turntable; "
              "others unchanged.")
         .def("with_lights", &Scene::with_lights, py::arg("count"),
-             "with_lights($self, count)\n--\n\nThe scene with its first `count` lights alone.")
+             "with_lights(self, count)\n--\n\nThe scene with its first `count` lights alone.")
         .def("with_light_specs", &Scene::with_light_specs, py::arg("specs"),
-             "with_light_specs($self, specs)\n--\n\nThe scene with other lights: 'point X Y Z R G B' or "
+             "with_light_specs(self, specs)\n--\n\nThe scene with other lights: 'point X Y Z R G B' or "
              "'spot X Y Z DX DY DZ HALF_ANGLE_DEG R G B', in candela.")
         .def("with_environment", with_environment, py::arg("file"), py::arg("lights") = 16,
-             "with_environment($self, file, lights=16)\n--\n\n"
+             "with_environment(self, file, lights=16)\n--\n\n"
              "The scene with light from an environment map: an OpenEXR, Radiance HDR, PNG or JPEG file in longitude by "
              "latitude,\nor 'builtin:studio'. Raises InputError if the file is missing or invalid.\n\n"
              "`lights`: of directional lights that approximate it, a power of two from 1 to 1024.");
@@ -106,19 +106,19 @@ void add_parts(py::class_<Scene>& scene)
         .def_property_readonly("meshes", &Scene::meshes, "All meshes.")
         .def(
             "find_node", [](const Scene& s, const std::string& name) { return some(s.find_node(name)); },
-            py::arg("name"), "find_node($self, name)\n--\n\nThe first node of that name, or None.")
+            py::arg("name"), "find_node(self, name)\n--\n\nThe first node of that name, or None.")
         .def(
             "find_instance", [](const Scene& s, const std::string& name) { return some(s.find_instance(name)); },
-            py::arg("name"), "find_instance($self, name)\n--\n\nThe first instance of that name, or None.")
+            py::arg("name"), "find_instance(self, name)\n--\n\nThe first instance of that name, or None.")
         .def(
             "find_light", [](const Scene& s, const std::string& name) { return some(s.find_light(name)); },
-            py::arg("name"), "find_light($self, name)\n--\n\nThe first light of that name, or None.")
+            py::arg("name"), "find_light(self, name)\n--\n\nThe first light of that name, or None.")
         .def(
             "find_camera", [](const Scene& s, const std::string& name) { return some(s.find_camera(name)); },
-            py::arg("name"), "find_camera($self, name)\n--\n\nThe first camera of that name, or None.")
+            py::arg("name"), "find_camera(self, name)\n--\n\nThe first camera of that name, or None.")
         .def(
             "find_material", [](const Scene& s, const std::string& name) { return some(s.find_material(name)); },
-            py::arg("name"), "find_material($self, name)\n--\n\nThe first material of that name, or None.");
+            py::arg("name"), "find_material(self, name)\n--\n\nThe first material of that name, or None.");
 }
 
 py::object carrier_of(const Scene& scene, py::handle id)
@@ -132,37 +132,37 @@ void add_values(py::class_<Scene>& scene)
 {
     scene
         .def("name", &Scene::name, py::arg("node"),
-             "name($self, node)\n--\n\nThe name of a node or instance; it may be empty, and need not be unique.")
+             "name(self, node)\n--\n\nThe name of a node or instance; it may be empty, and need not be unique.")
         .def(
             "parent", [](const Scene& s, const NodeId& id) { return some(s.parent(id)); }, py::arg("node"),
-            "parent($self, node)\n--\n\nThe node above, or None.")
+            "parent(self, node)\n--\n\nThe node above, or None.")
         .def(
             "mobility", [](const Scene& s, const NodeId& id) { return name_of(s.mobility(id)); }, py::arg("node"),
-            "mobility($self, node)\n--\n\nWhat may change at the node: 'fixed', 'may_move' or 'may_deform'.")
+            "mobility(self, node)\n--\n\nWhat may change at the node: 'fixed', 'may_move' or 'may_deform'.")
         .def("moving_node", &Scene::moving_node, py::arg("node"),
-             "moving_node($self, node)\n--\n\nThe nearest node that may move, from this one up the hierarchy.")
+             "moving_node(self, node)\n--\n\nThe nearest node that may move, from this one up the hierarchy.")
         .def(
             "transform", [](const Scene& s, const NodeId& id) { return array_of(s.transform(id)); }, py::arg("node"),
-            "transform($self, node)\n--\n\nThe node's transform to its parent's space at the clip's start: (4, 4).")
-        .def("mesh", &Scene::mesh, py::arg("instance"), "mesh($self, instance)\n--\n\nThe mesh that it shows.")
-        .def("node", carrier_of, py::arg("part"), "node($self, part)\n--\n\nThe node that carries a light or camera.")
+            "transform(self, node)\n--\n\nThe node's transform to its parent's space at the clip's start: (4, 4).")
+        .def("mesh", &Scene::mesh, py::arg("instance"), "mesh(self, instance)\n--\n\nThe mesh that it shows.")
+        .def("node", carrier_of, py::arg("part"), "node(self, part)\n--\n\nThe node that carries a light or camera.")
         .def(
             "light", [](const Scene& s, const LightId& id) { return write(s.light(id)); }, py::arg("id"),
-            "light($self, id)\n--\n\nThe values of a light: a Light.")
+            "light(self, id)\n--\n\nThe values of a light: a Light.")
         .def(
             "material", [](const Scene& s, const MaterialId& id) { return write(s.material(id)); }, py::arg("id"),
-            "material($self, id)\n--\n\nThe values of a material: a Material.")
+            "material(self, id)\n--\n\nThe values of a material: a Material.")
         .def(
             "camera", [](const Scene& s, const CameraId& id) { return write(s.camera(id)); }, py::arg("id"),
-            "camera($self, id)\n--\n\nThe values of a camera: a Camera; its transform is its node's.")
+            "camera(self, id)\n--\n\nThe values of a camera: a Camera; its transform is its node's.")
         .def(
             "instance_of", [](const Scene& s, std::uint32_t value) { return some(s.instance_of(value)); },
             py::arg("value"),
-            "instance_of($self, value)\n--\n\nThe instance that a value of Frame.object_ids stands for; None for 0.")
+            "instance_of(self, value)\n--\n\nThe instance that a value of Frame.object_ids stands for; None for 0.")
         .def(
             "material_of", [](const Scene& s, std::uint32_t value) { return some(s.material_of(value)); },
             py::arg("value"),
-            "material_of($self, value)\n--\n\nThe material that a value of Frame.material_ids stands for; None for 0.");
+            "material_of(self, value)\n--\n\nThe material that a value of Frame.material_ids stands for; None for 0.");
 }
 
 }   // namespace

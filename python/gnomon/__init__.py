@@ -12,7 +12,7 @@
 Lengths are metres, angles radians, times seconds; colours are linear, with Rec. 709 primaries. Images have the same bytes
 on every processor, for any number of threads.
 """
-from ._camera import Camera, Intrinsics, Matrix, look_at, rotation, scaling, translation
+from ._camera import Camera, Intrinsics, Matrix
 from ._errors import Error, InputError, InternalError, Interrupted, MissingError, UsageError
 from ._frame import Frame
 from ._gnomon import (
@@ -28,8 +28,14 @@ from ._gnomon import (
     TextureId,
     __version__,
     compare,
+    compose,
     instruction_set,
+    inverse,
     load,
+    look_at,
+    rotation,
+    scaling,
+    translation,
 )
 from ._options import ReferenceLightOptions, RenderOptions
 from ._parts import (
@@ -51,5 +57,5 @@ __all__ = [
     "InstanceId", "InternalError", "Interrupted", "Intrinsics", "Light", "LightId", "Material", "MaterialId",
     "MaterialLayers", "Matrix", "MeshId", "MissingError", "NodeId", "Pick", "Progress", "ReferenceLightOptions",
     "RenderOptions", "Renderer", "Scene", "SceneBuilder", "SceneInfo", "SkinId", "TextureId", "TextureUse", "UsageError",
-    "Vertices", "__version__", "compare", "instruction_set", "load", "look_at", "rotation", "scaling", "translation",
+    "Vertices", "__version__", "compare", "compose", "instruction_set", "inverse", "load", "look_at", "rotation", "scaling", "translation",
 ]

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cameras, and matrices that place things.
+"""Cameras, and the conventions by which they are described.
 
 Matrices are for column vectors, as numpy arrays of 4 x 4: a point p of the inner space is at `(matrix @ [*p, 1])[:3]` in
-the outer one, and `outer @ inner` applies `inner` first. Wherever a matrix is taken, the last row 0 0 0 1 may be left out.
+the outer one, and `outer @ inner` (or compose(outer, inner)) applies `inner`
+first. Wherever a matrix is taken, the last row 0 0 0 1 may be left out.
 """
 from __future__ import annotations
 
@@ -13,50 +14,11 @@ import numpy as np
 import numpy.typing as npt
 
 from ._errors import UsageError
-from ._parts import Size, Vec3
+from ._gnomon import inverse
+from ._parts import Size
 
 Matrix = npt.ArrayLike
 """(4, 4) or (3, 4) numbers."""
-
-
-def translation(x: float, y: float, z: float) -> npt.NDArray[np.float64]:
-    """A (4, 4) matrix that moves by x, y and z metres."""
-    matrix = np.eye(4)
-    matrix[:3, 3] = x, y, z
-    return matrix
-
-
-def scaling(x: float, y: Optional[float] = None, z: Optional[float] = None) -> npt.NDArray[np.float64]:
-    """A (4, 4) matrix that scales by x, y and z, or by x along all axes."""
-    return np.diag([x, x if y is None else y, x if z is None else z, 1.0])
-
-
-def rotation(axis: Vec3, radians: float) -> npt.NDArray[np.float64]:
-    """A (4, 4) matrix that turns about an axis through the origin, counter-clockwise seen against the axis."""
-    a = np.asarray(axis, dtype=float)
-    length = float(np.linalg.norm(a))
-    if a.shape != (3,) or not length > 0:
-        raise UsageError("a rotation's axis must be three numbers that are not all 0")
-    a = a / length
-    cross = np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
-    matrix = np.eye(4)
-    matrix[:3, :3] += np.sin(radians) * cross + (1 - np.cos(radians)) * (cross @ cross)
-    return matrix
-
-
-def look_at(eye: Vec3, target: Vec3, up: Vec3 = (0.0, 1.0, 0.0)) -> npt.NDArray[np.float64]:
-    """The (4, 4) matrix from the space of a camera or a light at `eye`, which look along -Z with +Y up, to the world.
-
-    Raises UsageError if `eye` is `target`, or `up` is parallel to the direction between them."""
-    back = np.asarray(eye, dtype=float) - np.asarray(target, dtype=float)
-    right = np.cross(np.asarray(up, dtype=float), back)
-    if not np.linalg.norm(right) > 1e-12 * np.linalg.norm(back):
-        raise UsageError("look_at needs a direction, and `up` must not be parallel to it")
-    back = back / np.linalg.norm(back)
-    right = right / np.linalg.norm(right)
-    matrix = np.eye(4)
-    matrix[:3, 0], matrix[:3, 1], matrix[:3, 2], matrix[:3, 3] = right, np.cross(back, right), back, eye
-    return matrix
 
 
 def _pose(matrix: Matrix, name: str) -> npt.NDArray[np.float64]:
@@ -74,9 +36,7 @@ def _camera_to_world(world_to_camera: Optional[Matrix], camera_to_world: Optiona
         raise UsageError("a camera has either world_to_camera or camera_to_world")
     if world_to_camera is not None:
         pose = _pose(world_to_camera, "world_to_camera")
-        if not np.isfinite(pose).all() or abs(np.linalg.det(pose)) < 1e-12:
-            raise UsageError("world_to_camera must be finite, and not singular")
-        return np.linalg.inv(pose)
+        return inverse(pose)
     return np.eye(4) if camera_to_world is None else _pose(camera_to_world, "camera_to_world")
 
 
@@ -147,9 +107,10 @@ class Camera:
             raise UsageError(f"pixel_centers: no value '{pixel_centers}'; there are 'integer', 'half'")
         half = 0.5 if pixel_centers == "integer" else 0.0
         # OpenCV's camera is turned by half a turn about X: y down and z forward become y up and z back.
-        pose = _camera_to_world(world_to_camera, camera_to_world) @ np.diag([1.0, -1.0, -1.0, 1.0])
+        pose = _camera_to_world(world_to_camera, camera_to_world) * [1.0, -1.0, -1.0, 1.0]
         lens = Intrinsics(float(k[0, 0]), float(k[1, 1]), float(k[0, 2]) + half, float(k[1, 2]) + half, size)
-        return cls(transform=pose, intrinsics=lens, **{"resolution": size, **more})
+        fields: dict[str, Any] = {"resolution": size, **more}
+        return cls(transform=pose, intrinsics=lens, **fields)
 
     @classmethod
     def from_gltf(cls, yfov: float, *, camera_to_world: Optional[Matrix] = None,
