@@ -82,9 +82,11 @@ def make_scene() -> tuple[gnomon.Scene, gnomon.NodeId, gnomon.NodeId]:
             place(ball, bob, (0, -length, 0), (radius, radius, radius), arm)
             arms.append(arm)
 
-        builder.area_light(gnomon.AreaLight(shape="disc", width=0.7, radiance=(26, 23, 19)),
-                           gnomon.look_at((1.5, 1.7, 1.9), (0, -0.6, -0.3)))
-        shapes.sky(builder, 0.16)
+        # The key light throws the pendulum's shadow on the wall; a weak one fills it.
+        builder.light(gnomon.Light(type="spot", color=(75, 68, 56), inner_angle=0.25, outer_angle=0.55),
+                      gnomon.look_at((1.5, 1.1, 3.4), (0, -0.6, -0.4)))
+        builder.light(gnomon.Light(color=(4, 4.6, 6)), gnomon.translation(-2.2, 1.2, 2.2))
+        builder.background((0.03, 0.035, 0.045))
         builder.camera(gnomon.Camera(transform=gnomon.look_at((0.55, -0.35, 4.1), (0, -0.62, 0)), vertical_fov=0.6))
         return builder.finish(), arms[0], arms[1]
 
@@ -99,7 +101,7 @@ def main() -> None:
 
     scene, upper, lower = make_scene()
     state: State = (2.0, 2.4, 0.0, 0.0)
-    with gnomon.Renderer(size=(arguments.width, arguments.width * 9 // 16), samples="auto", exposure=0.6) as renderer:
+    with gnomon.Renderer(size=(arguments.width, arguments.width * 9 // 16), samples="auto", exposure=0.2) as renderer:
         print("frame  updated nodes  shadow rays  without a ray      ms")
         for number in range(1, arguments.frames + 1):
             # The second arm hangs at the end of the first, in whose space its transform is.

@@ -29,14 +29,14 @@ def still_life() -> gnomon.Scene:
             builder.instance(mesh, material, gnomon.compose(gnomon.translation(x, y, z), gnomon.scaling(*size)))
 
         put(tin, slate, 0, -0.08, 0, 1.25, 0.08, 1.25)
-        put(tin, shapes.paint(builder, 0.55, 0.53, 0.5, 0.9), 0, -0.1, 0, 40, 0.02, 40)
+        put(tin, shapes.paint(builder, 0.55, 0.53, 0.5, 0.9), 0, -0.1, 0, 300, 0.02, 300)
         put(ball, clay, -0.42, 0.34, -0.2, 0.34)
         put(ring, gold, 0.42, 0.1, 0.42, 0.33)
         put(cone, blue, 0.42, 0, -0.42, 0.3, 0.8, 0.3)
         put(ball, glass, -0.22, 0.2, 0.55, 0.2)
         builder.area_light(gnomon.AreaLight(shape="disc", width=1.2, radiance=(24, 22, 19)),
                            gnomon.look_at((2.2, 3, 1.2), (0, 0.2, 0)))
-        shapes.sky(builder, 0.35)
+        shapes.sky(builder, 0.7)
         builder.camera(gnomon.Camera(transform=gnomon.look_at((0, 1.35, 3.4), (0, 0.24, 0)), vertical_fov=0.6))
         return builder.finish()
 
@@ -65,7 +65,7 @@ def main() -> int:
             encoder = subprocess.Popen(
                 ["ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}",
                  "-r", "24", "-i", "-", "-pix_fmt", "yuv420p", str(arguments.video)], stdin=subprocess.PIPE)
-        with gnomon.Renderer(size=(width, height), samples="auto", exposure=0) as renderer:
+        with gnomon.Renderer(size=(width, height), samples="auto", exposure=0.3) as renderer:
             for number in range(arguments.frames):
                 frame = renderer.render(scene, turn=2 * math.pi * number / arguments.frames, progress=show)
                 frame.write(arguments.out / f"turntable-{number + 1:04}.png")

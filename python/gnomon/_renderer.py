@@ -20,6 +20,8 @@ Progress = Callable[[str, float], Optional[bool]]
 """Called every few milliseconds with the stage of the work and how much of it is done, 0 to 1, from any thread but never
 from two at once. False stops the work."""
 
+_Place = Union[Matrix, tuple[Matrix, Matrix]]
+
 
 @dataclass(slots=True, eq=False)
 class Vertices:
@@ -58,8 +60,8 @@ class Renderer(_gnomon.Renderer):
         camera: Optional[Camera] = None,
         camera_closing: Optional[Camera] = None,
         turn: float = 0.0,
-        transforms: Optional[Mapping[NodeId, Union[Matrix, tuple[Matrix, Matrix]]]] = None,
-        visibility: Optional[Mapping[NodeId, bool]] = None,
+        transforms: Union[Mapping[NodeId, _Place], Mapping[InstanceId, _Place], None] = None,
+        visibility: Union[Mapping[NodeId, bool], Mapping[InstanceId, bool], None] = None,
         vertices: Optional[Mapping[InstanceId, Union[Vertices, npt.ArrayLike]]] = None,
         morph_weights: Optional[Mapping[InstanceId, npt.ArrayLike]] = None,
         lights: Optional[Mapping[LightId, Union[Light, tuple[Light, Light]]]] = None,
