@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# Adds the Python package where pybind11, the headers of Python and numpy are found; says so where they are not.
+# Adds the Python package, and the target `python` that builds it, where pybind11, the headers of Python and numpy are found; says so where they are not.
 #
 # The interpreter is the system's, whose packages those are, if there is one; Python_EXECUTABLE selects another.
+add_custom_target(python)
 if(GNOMON_PYTHON)
     set(python_missing "")
     if(NOT GNOMON_INSTALL)
@@ -31,5 +32,6 @@ if(GNOMON_PYTHON)
         endif()
         set(GNOMON_PYTHON_DIR "${python_dir}" CACHE STRING "Where the Python package is installed, relative to the prefix")
         add_subdirectory(python)
+        add_dependencies(python gnomon_python)
     endif()
 endif()

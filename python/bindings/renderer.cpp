@@ -45,66 +45,50 @@ struct Input {
     FrameInput frame;
 };
 
-// Calls `take(key, value, closing)` for each item of a dictionary. A value is one, or (value, closing).
+// Calls `take(key, value)` for each item of a dictionary.
 template <class Take>
 void for_each_value(py::handle from, const char* where, const Take& take)
 {
     if (from.is_none()) return;
     if (!py::isinstance<py::dict>(from))
         throw py::type_error(std::string(where) + " must be a dict from ids to values");
-    for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(from)) {
-        py::object now = py::reinterpret_borrow<py::object>(value), closing = py::none();
-        if (py::isinstance<py::tuple>(value) && py::len(value) == 2) {
-            now = py::reinterpret_borrow<py::tuple>(value)[0];
-            closing = py::reinterpret_borrow<py::tuple>(value)[1];
-        }
-        take(key, now, closing);
-    }
+    for (const auto& [key, value] : py::reinterpret_borrow<py::dict>(from)) take(key, value);
 }
 
 void read_nodes(Input& in, const py::kwargs& from)
 {
-    for_each_value(from["transforms"], "transforms", [&](py::handle id, py::handle now, py::handle closing) {
-        NodeTransform& to = in.frame.transforms.emplace_back();
-        to.node = id_of<NodeId>(id, "a key of transforms", "NodeId or InstanceId");
-        read(now, "a transform", to.transform);
-        read(closing, "a closing transform", to.closing);
+    for_each_value(from["transforms"], "transforms", [&](py::handle id, py::handle value) {
+        in.frame.transforms.push_back(
+            {id_of<NodeId>(id, "a key of transforms", "NodeId or InstanceId"), transform(value, "a transform")});
     });
-    for_each_value(from["visibility"], "visibility", [&](py::handle id, py::handle now, py::handle) {
+    for_each_value(from["visibility"], "visibility", [&](py::handle id, py::handle value) {
         in.frame.visibility.push_back({id_of<NodeId>(id, "a key of visibility", "NodeId or InstanceId"),
-                                       read_as<bool>(now, "a value of visibility")});
+                                       read_as<bool>(value, "a value of visibility")});
     });
-    for_each_value(from["vertices"], "vertices", [&](py::handle id, py::handle now, py::handle closing) {
+    for_each_value(from["vertices"], "vertices", [&](py::handle id, py::handle value) {
         InstanceVertices& to = in.frame.vertices.emplace_back();
         to.instance = id_of<InstanceId>(id, "a key of vertices", "InstanceId");
-        if (py::hasattr(now, "positions")) {
-            to.positions = vec3s(now.attr("positions"), "Vertices.positions", in.kept);
-            to.normals = vec3s(now.attr("normals"), "Vertices.normals", in.kept);
-            to.closing_positions = vec3s(now.attr("closing_positions"), "Vertices.closing_positions", in.kept);
+        if (py::hasattr(value, "positions")) {
+            to.positions = vec3s(value.attr("positions"), "Vertices.positions", in.kept);
+            to.normals = vec3s(value.attr("normals"), "Vertices.normals", in.kept);
         } else {
-            to.positions = vec3s(now, "a value of vertices", in.kept);
-            to.closing_positions = vec3s(closing, "closing vertices", in.kept);
+            to.positions = vec3s(value, "a value of vertices", in.kept);
         }
     });
-    for_each_value(from["morph_weights"], "morph_weights", [&](py::handle id, py::handle now, py::handle closing) {
-        in.frame.morph_weights.push_back({id_of<InstanceId>(id, "a key of morph_weights", "InstanceId"),
-                                          floats(now, "weights"), floats(closing, "closing weights")});
+    for_each_value(from["morph_weights"], "morph_weights", [&](py::handle id, py::handle value) {
+        in.frame.morph_weights.push_back(
+            {id_of<InstanceId>(id, "a key of morph_weights", "InstanceId"), floats(value, "morph_weights")});
     });
 }
 
 void read_looks(Input& in, const py::kwargs& from)
 {
-    for_each_value(from["lights"], "lights", [&](py::handle id, py::handle now, py::handle closing) {
-        LightValues& to = in.frame.lights.emplace_back();
-        to.light = id_of<LightId>(id, "a key of lights", "LightId");
-        read(now, "a light", to.values);
-        read(closing, "a closing light", to.closing);
+    for_each_value(from["lights"], "lights", [&](py::handle id, py::handle value) {
+        in.frame.lights.push_back({id_of<LightId>(id, "a key of lights", "LightId"), read_as<Light>(value, "a light")});
     });
-    for_each_value(from["materials"], "materials", [&](py::handle id, py::handle now, py::handle closing) {
-        MaterialValues& to = in.frame.materials.emplace_back();
-        to.material = id_of<MaterialId>(id, "a key of materials", "MaterialId");
-        read(now, "a material", to.values);
-        read(closing, "a closing material", to.closing);
+    for_each_value(from["materials"], "materials", [&](py::handle id, py::handle value) {
+        in.frame.materials.push_back(
+            {id_of<MaterialId>(id, "a key of materials", "MaterialId"), read_as<Material>(value, "a material")});
     });
     if (from["released"].is_none()) return;
     for (const py::handle id : from["released"]) {
@@ -176,7 +160,6 @@ py::object render(const OpenRenderer& renderer, const Scene& scene, const py::kw
     read(from["time"], "time", frame.time);
     read(from["frame"], "frame", frame.frame);
     read(from["camera"], "camera", frame.camera);
-    read(from["camera_closing"], "camera_closing", frame.camera_closing);
     read(from["turn"], "turn", frame.turn);
     read(from["indirect_ray_limit"], "indirect_ray_limit", frame.indirect_ray_limit);
     read_nodes(in, from);

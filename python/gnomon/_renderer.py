@@ -20,8 +20,6 @@ Progress = Callable[[str, float], Optional[bool]]
 """Called every few milliseconds with the stage of the work and how much of it is done, 0 to 1, from any thread but never
 from two at once. False stops the work."""
 
-_Place = Union[Matrix, tuple[Matrix, Matrix]]
-
 
 @dataclass(slots=True, eq=False)
 class Vertices:
@@ -31,8 +29,6 @@ class Vertices:
     """(n, 3): as many as the mesh has, in object space; of a skinned instance in world space."""
     normals: Optional[npt.ArrayLike] = None
     """(n, 3); None: computed from the positions if the mesh has normals."""
-    closing_positions: Optional[npt.ArrayLike] = None
-    """(n, 3): when the shutter closes."""
 
 
 class Renderer(_gnomon.Renderer):
@@ -58,14 +54,13 @@ class Renderer(_gnomon.Renderer):
         *,
         time: Optional[float] = None,
         camera: Optional[Camera] = None,
-        camera_closing: Optional[Camera] = None,
         turn: float = 0.0,
-        transforms: Union[Mapping[NodeId, _Place], Mapping[InstanceId, _Place], None] = None,
+        transforms: Union[Mapping[NodeId, Matrix], Mapping[InstanceId, Matrix], None] = None,
         visibility: Union[Mapping[NodeId, bool], Mapping[InstanceId, bool], None] = None,
         vertices: Optional[Mapping[InstanceId, Union[Vertices, npt.ArrayLike]]] = None,
         morph_weights: Optional[Mapping[InstanceId, npt.ArrayLike]] = None,
-        lights: Optional[Mapping[LightId, Union[Light, tuple[Light, Light]]]] = None,
-        materials: Optional[Mapping[MaterialId, Union[Material, tuple[Material, Material]]]] = None,
+        lights: Optional[Mapping[LightId, Light]] = None,
+        materials: Optional[Mapping[MaterialId, Material]] = None,
         released: Optional[Iterable[Union[NodeId, LightId, MaterialId]]] = None,
         indirect_ray_limit: int = 0,
         out: Optional[Mapping[str, npt.NDArray[Any]]] = None,
@@ -93,7 +88,7 @@ class Renderer(_gnomon.Renderer):
         progress       see Progress
 
         Values stay in force until other ones are handed over, or until they are released. A value that equals the one in
-        force costs a comparison. Where a value is (value, closing), the second is that when the shutter closes.
+        force costs a comparison. They hold while the shutter is open: what a host moves is not blurred.
 
         Raises UsageError if an id is not of this scene, a number is not finite or lengths disagree, and then nothing is
         taken over; MissingError if memory or a Vulkan device is missing; Interrupted after cancel(), or if progress
@@ -104,7 +99,6 @@ class Renderer(_gnomon.Renderer):
                 frame=frame,
                 time=time,
                 camera=camera,
-                camera_closing=camera_closing,
                 turn=turn,
                 transforms=transforms,
                 visibility=visibility,
