@@ -206,7 +206,7 @@ class Errors(unittest.TestCase):
     def test_options_out_of_range_are_refused(self):
         for options, error, words in (({"size": (0, 5)}, gnomon.UsageError, ""), ({"samples": "many"}, TypeError, "samples"),
                                       ({"tonemap": "nice"}, gnomon.UsageError, "'agx'"), ({"layers": 1}, TypeError, "layers"),
-                                      ({"threads": -1}, gnomon.UsageError, ""), ({"widht": 1}, TypeError, "widht"),
+                                      ({"threads": -1}, gnomon.UsageError, ""), ({"breadth": 1}, TypeError, "breadth"),
                                       ({"size": "8x8"}, TypeError, "size"), ({"samples": 2**40}, gnomon.UsageError, "")):
             with self.assertRaises(error) as raised:
                 gnomon.Renderer(**options)
