@@ -28,7 +28,7 @@ void check_shape(const py::array& array, const std::string& where, const std::ve
 
 bool is_one_of(std::string_view kinds, char kind)
 {
-    return kinds.find(kind) != kinds.npos;
+    return kinds.find(kind) != std::string_view::npos;
 }
 
 py::array any_array(py::handle from, const std::string& where)
@@ -155,9 +155,7 @@ py::array view(const Layer& layer, std::vector<py::ssize_t> shape, std::vector<p
 {
     const py::dtype type = layer.format == PixelFormat::u32 ? py::dtype::of<std::uint32_t>() : py::dtype::of<float>();
     using Memory = std::shared_ptr<const void>;
-    auto memory = std::make_unique<Memory>(layer.memory);
-    const py::capsule base(memory.get(), [](void* held) { delete static_cast<Memory*>(held); });
-    memory.release();
+    const py::capsule base(new Memory(layer.memory), [](void* held) { delete static_cast<Memory*>(held); });
     py::array array(type, std::move(shape), std::move(strides), data, base);
     array.attr("flags").attr("writeable") = false;
     return array;
@@ -185,11 +183,9 @@ py::array view_of(const Layer& layer, int channel)
 template <class T>
 py::array_t<T> owned(std::vector<T> values, std::vector<py::ssize_t> shape)
 {
-    auto memory = std::make_unique<std::vector<T>>(std::move(values));
-    const T* data = memory->data();
-    const py::capsule base(memory.get(), [](void* held) { delete static_cast<std::vector<T>*>(held); });
-    memory.release();
-    return py::array_t<T>(std::move(shape), data, base);
+    auto* const memory = new std::vector<T>(std::move(values));
+    const py::capsule base(memory, [](void* held) { delete static_cast<std::vector<T>*>(held); });
+    return py::array_t<T>(std::move(shape), memory->data(), base);
 }
 template py::array_t<std::uint8_t> owned(std::vector<std::uint8_t>, std::vector<py::ssize_t>);
 template py::array_t<std::uint16_t> owned(std::vector<std::uint16_t>, std::vector<py::ssize_t>);
