@@ -14,6 +14,7 @@ using visibility::ShadowPoint;
 using visibility::TriangleId;
 
 constexpr std::size_t k_rays_at_once = 1 << 14;
+constexpr std::size_t k_points_at_once = 16;
 constexpr std::size_t k_most_hole_maps = 256;
 
 bool same_bits(const FlatLight& a, const FlatLight& b)
@@ -325,27 +326,40 @@ class AreaVisibility::Query {
                 if (visibility::may_shadow(corners, box, light_.box)) dynamic.push(triangle->p);
             dynamic.pad();
         }
-        for (const auto& [list, k] : group) {
-            const ShadowPoint& p = points_[asked_[k]];
-            const Side& side = answers_.back[k] ? *light_.back : *light_.front;
-            const LightPlaces& places = side.shadows.places();
-            PlaceMask blocked{};
-            const bool hides = add_blocked(p.origin, still, places, blocked);
-            const bool moving_hides = add_blocked(p.origin, dynamic, places, blocked);
-            scratch_.counters.triangles += still.size() + scratch_.holed.size();
-            scratch_.counters.dynamic_triangles += dynamic.size();
-            const bool holed_hides = scratch_.holed.size() > 0 && add_holed(p, places, blocked);
-            if (!hides && !moving_hides && !holed_hides && !meets_unlisted(p)) {
-                answers_.answer[k] = Answer::lit;
-                continue;
-            }
-            VisibleCells cells;
-            const int visible = count_visible(places, blocked, cells);
-            const bool by_rays = visible > 0 && meets_unlisted(p);
-            answers_.answer[k] = visible == 0 ? Answer::dark : Answer::lit;
-            if (visible > 0 && (by_rays || visible < places.count())) make_partial(k) = cells;
-            if (by_rays) scratch_.dynamic_rays.push_back(k);
+        // Short lists are looked through for several points at once.
+        for (std::size_t first = 0, last = 0; first < group.size(); first = last) {
+            const char back = answers_.back[group[first].asked];
+            glm::vec3 origin[k_points_at_once];
+            while (last < group.size() && last < first + k_points_at_once && answers_.back[group[last].asked] == back)
+                origin[last - first] = points_[asked_[group[last].asked]].origin, ++last;
+            PlaceMask blocked[k_points_at_once];
+            std::fill_n(blocked, last - first, PlaceMask{});
+            bool hides[k_points_at_once], moving_hides[k_points_at_once];
+            const LightPlaces& places = (back ? *light_.back : *light_.front).shadows.places();
+            const std::span points(origin, last - first);
+            add_blocked(points, still, places, blocked, hides);
+            add_blocked(points, dynamic, places, blocked, moving_hides);
+            for (std::size_t k = 0; k < points.size(); ++k)
+                answer(group[first + k].asked, places, hides[k] || moving_hides[k], blocked[k]);
         }
+        scratch_.counters.triangles += group.size() * (still.size() + scratch_.holed.size());
+        scratch_.counters.dynamic_triangles += group.size() * dynamic.size();
+    }
+    // Answers for a point, after all triangles without holes.
+    void answer(std::uint32_t k, const LightPlaces& places, bool hides, PlaceMask& blocked)
+    {
+        const ShadowPoint& p = points_[asked_[k]];
+        const bool holed_hides = scratch_.holed.size() > 0 && add_holed(p, places, blocked);
+        if (!hides && !holed_hides && !meets_unlisted(p)) {
+            answers_.answer[k] = Answer::lit;
+            return;
+        }
+        VisibleCells cells;
+        const int visible = count_visible(places, blocked, cells);
+        const bool by_rays = visible > 0 && meets_unlisted(p);
+        answers_.answer[k] = visible == 0 ? Answer::dark : Answer::lit;
+        if (visible > 0 && (by_rays || visible < places.count())) make_partial(k) = cells;
+        if (by_rays) scratch_.dynamic_rays.push_back(k);
     }
     bool meets(const Scratch::Blocker& blocker, const ShadowPoint& p) const
     {

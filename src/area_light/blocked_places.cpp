@@ -6,6 +6,8 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
+
 #include "area_light/blocked_places.h"
 #include "base/math.h"
 #include "ray/origin.h"
@@ -29,6 +31,17 @@ struct Functions {
     alignas(64) float splits[k_lanes];                         // 1: seen edge-on, a quadrilateral is not convex; else 0
     alignas(64) float meets[k_lanes];                          // 1: some place may be hidden, else 0
     alignas(64) float first_row[k_lanes], last_row[k_lanes];   // outside of them, nothing is hidden
+};
+// Points, by lane.
+struct PointLanes {
+    alignas(64) float at[3][Functions::k_lanes];
+
+    // Sets so many lanes to one point.
+    void set(std::size_t first, std::size_t count, const glm::vec3& p)
+    {
+        for (int axis = 0; axis < 3; ++axis)
+            for (std::size_t lane = first; lane < first + count; ++lane) at[axis][lane] = p[axis];
+    }
 };
 // A function whose slope along a row is smaller than this fraction of its values counts as constant.
 inline constexpr float k_flat_slope = 1e-12f;
@@ -78,26 +91,32 @@ HWY_INLINE Three<V> minus(const Three<V>& a, const Three<V>& b)
     return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
 
-// Finds the functions of one vector of triangles.
-void find_functions(const glm::vec3& point, const TriangleList& triangles, std::size_t first, const LightPlaces& places,
-                    Functions& out)
+// Finds the functions of one vector of triangles, each for the point of its lane.
+void find_functions(const PointLanes& points, const TriangleList& triangles, std::size_t first,
+                    const LightPlaces& places, Functions& out)
 {
     const hn::CappedTag<float, Functions::k_lanes> d;
     using V = hn::Vec<decltype(d)>;
     const auto all = [&](const glm::vec3& v) HWY_ATTR {
         return Three<V>{hn::Set(d, v.x), hn::Set(d, v.y), hn::Set(d, v.z)};
     };
-    const Three<V> p = all(point), to = all(places.origin() - point), s = all(places.side_s()),
-                   t = all(places.side_t());
+    const Three<V> s = all(places.side_s()), t = all(places.side_t()), origin = all(places.origin()),
+                   light_normal = all(places.row_plane().normal), light_row = all(places.row_plane().row);
     const auto zero = hn::Zero(d), end = hn::Set(d, ray::k_shadow_ray_end),
                all_rows = hn::Set(d, static_cast<float>(k_rows - 1));
-    // The row that the direction r meets the light's plane in: dot(r, by_row) / dot(r, normal_to_light) + row_of_point.
-    const RowPlane plane = places.row_plane();
-    const float above = glm::dot(plane.normal, places.origin() - point);
-    const Three<V> normal_to_light = all(above < 0 ? -plane.normal : plane.normal),
-                   by_row = all(std::abs(above) * plane.row);
-    const auto row_of_point = hn::Set(d, glm::dot(plane.row, point - places.origin()) + LightPlaces::row_at_origin());
     for (std::size_t lane = 0; lane < Functions::k_lanes; lane += hn::Lanes(d)) {
+        const Three<V> p{hn::Load(d, points.at[0] + lane), hn::Load(d, points.at[1] + lane),
+                         hn::Load(d, points.at[2] + lane)};
+        const Three<V> to = minus(origin, p);
+        // The direction r meets the light's plane in row dot(r, by_row) / dot(r, normal_to_light) + row_of_point.
+        const V above = dot(light_normal, to);
+        const auto behind = hn::Lt(above, zero);
+        const auto turned = [&](V v) HWY_ATTR { return hn::IfThenElse(behind, hn::Neg(v), v); };
+        const Three<V> normal_to_light{turned(light_normal.x), turned(light_normal.y), turned(light_normal.z)};
+        const V height_of_point = hn::Abs(above);
+        const Three<V> by_row{hn::Mul(height_of_point, light_row.x), hn::Mul(height_of_point, light_row.y),
+                              hn::Mul(height_of_point, light_row.z)};
+        const V row_of_point = hn::Add(dot(light_row, minus(p, origin)), hn::Set(d, LightPlaces::row_at_origin()));
         Three<V> r[4];
         for (std::size_t c = 0; c < 4; ++c)
             r[c] =
@@ -221,24 +240,37 @@ bool all_hidden(const LightPlaces& places, const PlaceMask& blocked)
     return hn::AllTrue(d, hn::Eq(seen, hn::Zero(d)));
 }
 
+// Adds what entries of a list hide, whose functions are those of so many lanes.
+// @param halves  gets the triangles of quadrilaterals that the point sees edge-on
+bool add_entries(const TriangleList& triangles, std::size_t first, std::size_t count, const Functions& f,
+                 std::size_t first_lane, TriangleList& halves, PlaceMask& blocked)
+{
+    bool any = false;
+    for (std::size_t entry = 0; entry < count; ++entry) {
+        const std::size_t lane = first_lane + entry;
+        const auto corners = static_cast<std::size_t>(triangles.corners(first + entry));
+        if (corners == 4 && f.splits[lane] != 0) {
+            triangles.push_halves(first + entry, halves);
+        } else if (f.meets[lane] != 0 && f.first_row[lane] <= f.last_row[lane]) {
+            add_runs(f, lane, corners, blocked);
+            any = true;
+        }
+    }
+    return any;
+}
+
 bool add_blocked_of(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places,
                     PlaceMask& blocked)
 {
     Functions f;
     bool any = false;
     TriangleList halves;
+    PointLanes points;
+    points.set(0, Functions::k_lanes, point);
     for (std::size_t first = 0; first < triangles.size(); first += Functions::k_lanes) {
-        find_functions(point, triangles, first, places, f);
+        find_functions(points, triangles, first, places, f);
         const std::size_t count = std::min(Functions::k_lanes, triangles.size() - first);
-        for (std::size_t lane = 0; lane < count; ++lane) {
-            const auto corners = static_cast<std::size_t>(triangles.corners(first + lane));
-            if (corners == 4 && f.splits[lane] != 0) {
-                triangles.push_halves(first + lane, halves);
-            } else if (f.meets[lane] != 0 && f.first_row[lane] <= f.last_row[lane]) {
-                add_runs(f, lane, corners, blocked);
-                any = true;
-            }
-        }
+        any |= add_entries(triangles, first, count, f, 0, halves, blocked);
         // Leave the rest out if nothing is left to hide.
         if (any && first + Functions::k_lanes < triangles.size() && all_hidden(places, blocked)) return true;
     }
@@ -248,12 +280,37 @@ bool add_blocked_of(const glm::vec3& point, const TriangleList& triangles, const
     return any || by_halves;
 }
 
+void add_blocked_of_each(std::span<const glm::vec3> points, const TriangleList& triangles, const LightPlaces& places,
+                         PlaceMask* blocked, bool* hides)
+{
+    // A short list is there several times in a vector, once for each of several points.
+    const std::size_t lanes = triangles.lanes(), at_once = Functions::k_lanes / lanes;
+    PointLanes of;
+    Functions f;
+    TriangleList halves;
+    for (std::size_t first = 0; first < points.size(); first += at_once) {
+        const std::size_t count = std::min(at_once, points.size() - first);
+        for (std::size_t k = 0; k < at_once; ++k) of.set(k * lanes, lanes, points[first + std::min(k, count - 1)]);
+        find_functions(of, triangles, 0, places, f);
+        for (std::size_t k = 0; k < count; ++k) {
+            PlaceMask& mask = blocked[first + k];
+            hides[first + k] = add_entries(triangles, 0, triangles.size(), f, k * lanes, halves, mask);
+            if (halves.size() == 0) continue;
+            halves.pad();
+            hides[first + k] |= add_blocked_of(points[first + k], halves, places, mask);
+            halves.clear();
+        }
+    }
+}
+
 void for_each_blocker_of(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places,
                          const std::function<void(std::size_t, const PlaceMask&)>& hides)
 {
     Functions f;
+    PointLanes points;
+    points.set(0, Functions::k_lanes, point);
     for (std::size_t first = 0; first < triangles.size(); first += Functions::k_lanes) {
-        find_functions(point, triangles, first, places, f);
+        find_functions(points, triangles, first, places, f);
         const std::size_t count = std::min(Functions::k_lanes, triangles.size() - first);
         for (std::size_t lane = 0; lane < count; ++lane) {
             if (f.meets[lane] == 0 || !(f.first_row[lane] <= f.last_row[lane])) continue;
@@ -268,16 +325,26 @@ void for_each_blocker_of(const glm::vec3& point, const TriangleList& triangles, 
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include <algorithm>
 
 namespace gnomon::area_light {
 
 HWY_EXPORT(add_blocked_of);
+HWY_EXPORT(add_blocked_of_each);
 HWY_EXPORT(for_each_blocker_of);
 
 bool add_blocked(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places, PlaceMask& blocked)
 {
     return HWY_DYNAMIC_DISPATCH(add_blocked_of)(point, triangles, places, blocked);
+}
+
+void add_blocked(std::span<const glm::vec3> points, const TriangleList& triangles, const LightPlaces& places,
+                 std::span<PlaceMask> blocked, std::span<bool> hides)
+{
+    if (triangles.size() <= TriangleList::k_pad && triangles.size() > 0) {
+        HWY_DYNAMIC_DISPATCH(add_blocked_of_each)(points, triangles, places, blocked.data(), hides.data());
+        return;
+    }
+    for (std::size_t k = 0; k < points.size(); ++k) hides[k] = add_blocked(points[k], triangles, places, blocked[k]);
 }
 
 void for_each_blocker(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places,
@@ -303,14 +370,44 @@ void TriangleList::push_halves(std::size_t entry, TriangleList& halves) const
     halves.push({p[1], p[2], p[3]});
 }
 
+namespace {
+
+// Repeats the first entries of a vector to its end.
+template <std::size_t Period>
+void repeat(float* values)
+{
+    float first[Period];
+    std::copy_n(values, Period, first);
+    for (std::size_t k = 0; k < TriangleList::k_pad; ++k) values[k] = first[k % Period];
+}
+
+}   // namespace
+
 void TriangleList::pad()
 {
     if (count_ == 0) return;
     const std::size_t padded = (count_ + k_pad - 1) / k_pad * k_pad;   // within the size, a multiple of it
+    const std::size_t period = count_ <= k_pad ? lanes() : padded;
     for (auto& corner : at_)
-        for (auto& axis : corner)
-            std::fill(axis.begin() + static_cast<std::ptrdiff_t>(count_),
-                      axis.begin() + static_cast<std::ptrdiff_t>(padded), axis[count_ - 1]);
+        for (auto& axis : corner) {
+            for (std::size_t k = count_; k < period; ++k) axis[k] = axis[count_ - 1];
+            switch (period) {
+                case 1:
+                    repeat<1>(axis.data());
+                    break;
+                case 2:
+                    repeat<2>(axis.data());
+                    break;
+                case 4:
+                    repeat<4>(axis.data());
+                    break;
+                case 8:
+                    repeat<8>(axis.data());
+                    break;
+                default:
+                    break;
+            }
+        }
 }
 
 bool blocks_place(const glm::vec3& point, const glm::vec3 (&corner)[3], const LightPlaces& places, int row, int place)

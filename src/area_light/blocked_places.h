@@ -13,6 +13,8 @@
 // Results are the same for any instruction set, and do not depend on triangles that hide nothing.
 // Cost: some 20 ns for a triangle that the point's cone to the light misses, and 100 for one that it meets (AVX-512).
 
+#include <algorithm>
+#include <bit>
 #include <functional>
 #include <span>
 
@@ -32,8 +34,11 @@ class TriangleList {
     void push(const glm::vec3 (&corner)[4]) { push_corners({corner[0], corner[1], corner[2], corner[3]}, 4); }
     /// Adds the two triangles of a quadrilateral to another list.
     void push_halves(std::size_t entry, TriangleList& halves) const;
-    /// Repeats the last entry to the end of its vector. Call after the last push().
+    /// Repeats the last entry to the end of its vector, or a short list, padded to lanes(), from there on. Call after
+    /// the last push().
     void pad();
+    /// The lanes of a vector that a list takes: a power of 2, at most k_pad.
+    std::size_t lanes() const { return std::min(std::bit_ceil(count_), k_pad); }
     std::size_t size() const { return count_; }
     /// One coordinate of one corner, by entry; of a triangle, the last two corners are equal.
     const float* at(std::size_t corner, std::size_t axis) const { return at_[corner][axis].data(); }
@@ -57,6 +62,11 @@ class TriangleList {
 /// Adds to `blocked` the places that triangles hide from a point, of those inside the light.
 /// @return  whether any of them may hide one
 bool add_blocked(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places, PlaceMask& blocked);
+
+/// The same for several points, several of them at once if the list is short.
+/// @param blocked, hides  by point
+void add_blocked(std::span<const glm::vec3> points, const TriangleList& triangles, const LightPlaces& places,
+                 std::span<PlaceMask> blocked, std::span<bool> hides);
 
 /// Calls hides(entry, mask) for each triangle of a list that may hide places, with what it alone hides.
 void for_each_blocker(const glm::vec3& point, const TriangleList& triangles, const LightPlaces& places,

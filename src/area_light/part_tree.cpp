@@ -19,12 +19,6 @@ constexpr std::size_t k_shards = 256;
 // Of a divided part, a list up to this length is kept for its quarters; longer ones are found in the tree again.
 constexpr std::size_t k_handed_down = 2048;
 
-// The finest part that contains a point, from which those of all levels follow.
-MicroTriangle finest_part(float u, float v, std::uint32_t level)
-{
-    return micro_at(micro_index_at(u, v, level), level);
-}
-
 // Which quarter of a part another one is, in the order of children_of().
 std::size_t quarter_of(const MicroTriangle& part, const MicroTriangle& next)
 {
@@ -93,12 +87,10 @@ PartTree::~PartTree() = default;
 Part PartTree::part_at(TriangleId triangle, bool front, float u, float v, LastPart& last)
 {
     const std::size_t record = 2 * std::size_t{triangle} + (front ? 1 : 0);
-    Node* node = roots_[record].load(std::memory_order_acquire);
-    if (node && node->kind.load(std::memory_order_acquire) == Node::Kind::decided)
-        return {node->state, node->list.get()};
-    const MicroTriangle finest = finest_part(u, v, finest_level_);
+    const MicroTriangle finest = micro_part_at(u, v, finest_level_);   // those of all levels follow from it
     if (last.owner == this && last.record == record && ancestor_of(finest, finest_level_ - last.level) == last.place)
         return last.part;
+    Node* node = roots_[record].load(std::memory_order_acquire);
     const std::vector<TriangleId>* from = nullptr;
     MicroTriangle here = ancestor_of(finest, finest_level_);
     for (std::uint32_t level = 0;; ++level) {
@@ -156,7 +148,7 @@ PartTree::Node* PartTree::judge_node(std::size_t record, Node* node, TriangleId 
 
 Part PartTree::judged_anew(TriangleId triangle, bool front, float u, float v, std::vector<TriangleId>& list) const
 {
-    const MicroTriangle finest = finest_part(u, v, finest_level_);
+    const MicroTriangle finest = micro_part_at(u, v, finest_level_);
     std::vector<TriangleId> from;
     bool handed_down = false;
     for (std::uint32_t level = 0;; ++level) {

@@ -6,6 +6,7 @@
 // (i, j+1) over n, upper ones (i+1, j+1), (i, j+1), (i+1, j). The n * n parts of a level fill a square array without
 // gaps: an upper part is stored where the mirror image of its cell would be.
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -44,19 +45,23 @@ constexpr MicroTriangle micro_at(std::uint32_t index, std::uint32_t level)
 }
 
 /// The part that contains (u, v). Both are at least 0; points with u + v > 1 are moved back into the triangle.
-inline std::uint32_t micro_index_at(float u, float v, std::uint32_t level)
+inline MicroTriangle micro_part_at(float u, float v, std::uint32_t level)
 {
-    const std::uint32_t n = 1u << level;
+    const auto n = static_cast<std::int32_t>(1u << level);
     const float x = u * static_cast<float>(n), y = v * static_cast<float>(n);
-    std::uint32_t i = static_cast<std::uint32_t>(x), j = static_cast<std::uint32_t>(y);
-    const std::uint32_t upper = (x - static_cast<float>(i)) + (y - static_cast<float>(j)) > 1.0f;
+    auto i = static_cast<std::int32_t>(x), j = static_cast<std::int32_t>(y);
+    std::int32_t upper = (x - static_cast<float>(i)) + (y - static_cast<float>(j)) > 1.0f;
     // Rounding may put a point on the long edge into a cell beyond it. Move it back.
     if (i + j + upper >= n) {
-        i = i < n ? i : n - 1;
-        j = j < n - i ? j : n - 1 - i;
-        return j * n + i;
+        i = std::min(i, n - 1);
+        j = std::min(j, n - 1 - i);
+        upper = 0;
     }
-    return micro_index({i, j, upper}, level);
+    return {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), static_cast<std::uint32_t>(upper)};
+}
+inline std::uint32_t micro_index_at(float u, float v, std::uint32_t level)
+{
+    return micro_index(micro_part_at(u, v, level), level);
 }
 
 constexpr MicroTriangle parent_of(const MicroTriangle& m)

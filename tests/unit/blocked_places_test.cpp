@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <memory>
 
 #include "base/random.h"
 
@@ -89,6 +90,44 @@ TEST(BlockedPlaces, EqualTheSameTestOfEachPlace)
             }
     }
     EXPECT_GT(hidden, 10000u);
+}
+
+TEST(BlockedPlaces, AreTheSameForSeveralPointsAtOnce)
+{
+    Random random(11);
+    const auto anywhere = [&] {
+        return glm::vec3(random.uniform(-1, 1), random.uniform(-0.5f, 2.5f), random.uniform(-1, 1));
+    };
+    const LightPlaces places(square(1, 2));
+    int hiding = 0, free = 0;
+    for (int round = 0; round < 400; ++round) {
+        TriangleList list;
+        const auto count = 1 + random.below(round % 4 == 0 ? 40 : 16);
+        for (std::uint32_t t = 0; t < count; ++t)
+            if (random.below(2) != 0) {
+                list.push({anywhere(), anywhere(), anywhere()});
+            } else {
+                const glm::vec3 at = anywhere(), u = 0.3f * anywhere(), v = 0.3f * anywhere();
+                list.push({at, at + u, at + u + v, at + v});
+            }
+        list.pad();
+        // Some points lie in the plane of an entry, so that a quadrilateral is judged by its halves; some behind the
+        // light.
+        std::vector<glm::vec3> points(1 + random.below(20));
+        for (glm::vec3& p : points) p = {random.uniform(-1, 1), random.uniform(-0.2f, 2.4f), random.uniform(-1, 1)};
+        points[0] = {list.at(0, 0)[0], list.at(0, 1)[0], list.at(0, 2)[0]};
+        const auto of_points = std::make_unique<PlaceMask[]>(points.size());
+        const auto hides = std::make_unique<bool[]>(points.size());
+        add_blocked(points, list, places, {of_points.get(), points.size()}, {hides.get(), points.size()});
+        for (std::size_t k = 0; k < points.size(); ++k) {
+            PlaceMask alone{};
+            ASSERT_EQ(add_blocked(points[k], list, places, alone), hides[k]) << "round " << round << ", point " << k;
+            ASSERT_EQ(alone, of_points[k]) << "round " << round << ", point " << k;
+            ++(hides[k] ? hiding : free);
+        }
+    }
+    EXPECT_GT(hiding, 1000);
+    EXPECT_GT(free, 100);
 }
 
 TEST(BlockedPlaces, CoverTheAreaThatIsHidden)
