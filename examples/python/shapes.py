@@ -11,7 +11,9 @@ Arrays = tuple[npt.NDArray[np.float64], npt.NDArray[np.int64], npt.NDArray[np.fl
 
 
 def lathe(profile: list[tuple[float, float, float, float]], around: int = 48) -> Arrays:
-    """Turns a profile of (radius, height, normal outwards, normal upwards) about the Y axis, from the bottom up."""
+    """Turns a profile of (radius, height, normal outwards, normal upwards) about the Y axis, from the bottom up.
+
+    Where the radius is 0, triangles of a row meet in a point, and those without an area are left out."""
     rows, columns = len(profile), around + 1
     turn = [2 * math.pi * k / around for k in range(columns)]
     directions = np.array([[math.cos(t), 0, -math.sin(t)] for t in turn])
@@ -21,13 +23,16 @@ def lathe(profile: list[tuple[float, float, float, float]], around: int = 48) ->
     corner = np.arange(rows * columns).reshape(rows, columns)
     low, next_low, high, next_high = corner[:-1, :-1], corner[:-1, 1:], corner[1:, :-1], corner[1:, 1:]
     quads = np.stack([low, next_low, next_high, low, next_high, high], axis=-1)
-    return positions, quads.reshape(-1, 3), normals
+    a, b, c = (positions[quads.reshape(-1, 3)[:, k]] for k in range(3))
+    has_area = (a != b).any(axis=1) & (b != c).any(axis=1) & (c != a).any(axis=1)
+    return positions, quads.reshape(-1, 3)[has_area], normals
 
 
 def sphere(radius: float = 1.0, rings: int = 24) -> Arrays:
     """A smooth sphere about the origin."""
     angles = [-math.pi / 2 + math.pi * i / rings for i in range(rings + 1)]
-    return lathe([(radius * math.cos(a), radius * math.sin(a), math.cos(a), math.sin(a)) for a in angles], 2 * rings)
+    profile = [(radius * math.cos(a), radius * math.sin(a), math.cos(a), math.sin(a)) for a in angles[1:-1]]
+    return lathe([(0, -radius, 0, -1), *profile, (0, radius, 0, 1)], 2 * rings)
 
 
 def cylinder(radius: float = 1.0, height: float = 1.0, around: int = 48) -> Arrays:
@@ -40,7 +45,7 @@ def cone(radius: float = 1.0, height: float = 1.0, around: int = 48) -> Arrays:
     """A cone that stands on the origin."""
     slant = math.hypot(radius, height)
     side = (height / slant, radius / slant)
-    return lathe([(0, 0, 0, -1), (radius, 0, 0, -1), (radius, 0, *side), (1e-4, height, *side)], around)
+    return lathe([(0, 0, 0, -1), (radius, 0, 0, -1), (radius, 0, *side), (0, height, *side)], around)
 
 
 def torus(radius: float = 1.0, tube: float = 0.3, around: int = 64) -> Arrays:
