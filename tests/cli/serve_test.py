@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """A client of `gnomon serve`, by Drake's glTF Render Client-Server API: images, what is kept, and what is refused.
 
-    serve_test.py PROGRAM [MALFORMED]    number of malformed requests: 200 without it
+    serve_test.py PROGRAM [MALFORMED REQUESTS]    numbers of malformed requests, and of those of the test of memory: 200
+                                                  and 120 without them
 """
 import base64
 import copy
@@ -21,6 +22,7 @@ import zlib
 
 PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 else "gnomon"
 MALFORMED = int(sys.argv.pop(1)) if len(sys.argv) > 1 and sys.argv[1].isdigit() else 200
+REQUESTS = int(sys.argv.pop(1)) if len(sys.argv) > 1 and sys.argv[1].isdigit() else 120
 
 
 def matrix(x=0.0, y=0.0, z=0.0, scale=1.0):
@@ -266,6 +268,21 @@ class Serve(unittest.TestCase):
                     pass
             self.assertIsNone(self.server.process.poll())
         self.assertEqual(self.server.render(fields_of("label"), make_scene())[0], 200)
+        code, _, err = self.server.stop()
+        self.assertEqual((code, err), (0, ""))
+
+    def test_many_requests_do_not_grow(self):
+        used = []
+        for i in range(REQUESTS):
+            # Every tenth shows another thing, which is loaded; every seventh is wrong.
+            scene = make_scene(square=(0.01 * (i % 50), 0.0, 0.0), wall=i // 10 % 2 == 0)
+            fields = fields_of(("depth", "label", "color")[i % 3], 32, 24)
+            status = self.server.render(fields | ({"near": "x"} if i % 7 == 6 else {}), scene)[0]
+            self.assertEqual(status, 400 if i % 7 == 6 else 200)
+            if i in (REQUESTS // 2, REQUESTS - 1):
+                with open(f"/proc/{self.server.process.pid}/statm") as statm:
+                    used.append(int(statm.read().split()[1]) * os.sysconf("SC_PAGE_SIZE"))
+        self.assertLess(used[1] - used[0], 16 << 20, used)
         code, _, err = self.server.stop()
         self.assertEqual((code, err), (0, ""))
 
