@@ -38,10 +38,14 @@ class OwnFolder {
     std::filesystem::path path_;
 };
 
-// Declares that every node may move.
-Scene with_movable_nodes(const Scene& scene)
+// Declares that every node may move, and takes the light away if it is not needed.
+Scene prepared(const Scene& scene, bool with_light)
 {
     SceneBuilder builder(scene);
+    if (!with_light) {
+        for (const LightId& light : scene.lights()) builder.remove(light);
+        builder.background({0, 0, 0});   // instead of an environment
+    }
     for (const NodeId& node : scene.nodes())
         if (!scene.parent(node)) builder.set_mobility(node, Mobility::may_move);
     return builder.finish();
@@ -122,11 +126,8 @@ Scene RenderService::Impl::load_upload(const std::string& file, const Upload& up
     Scene scene = load(path.string(), load_options);
     std::error_code none;
     std::filesystem::remove(path, none);
-    if (!with_light)
-        scene = scene.with_lights(0);
-    else if (!upload.has_lights)
-        scene = scene.with_environment(environment);
-    return with_movable_nodes(scene);
+    if (with_light && !upload.has_lights) scene = scene.with_environment(environment);
+    return prepared(scene, with_light);
 }
 
 // Makes `kept` hold the upload, by what it holds already if that shows the same. Returns whether it did.
