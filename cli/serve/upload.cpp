@@ -58,10 +58,23 @@ Transform local_of(const Json& node)
     if (member(node, "matrix")) return {numbers<16>(node, "matrix", Transform{}.m)};
     const auto t = numbers<3>(node, "translation", {0, 0, 0}), s = numbers<3>(node, "scale", {1, 1, 1});
     const auto [x, y, z, w] = numbers<4>(node, "rotation", {0, 0, 0, 1});
-    const Transform turned{{1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w), 0, 2 * (x * y - z * w),
-                            1 - 2 * (x * x + z * z), 2 * (y * z + x * w), 0, 2 * (x * z + y * w), 2 * (y * z - x * w),
-                            1 - 2 * (x * x + y * y), 0, 0, 0, 0, 1}};
-    return Transform::translation(t[0], t[1], t[2]) * turned * Transform::scaling(s[0], s[1], s[2]);
+    return {{s[0] * (1 - 2 * (y * y + z * z)), s[0] * 2 * (x * y + z * w), s[0] * 2 * (x * z - y * w), 0,
+             s[1] * 2 * (x * y - z * w), s[1] * (1 - 2 * (x * x + z * z)), s[1] * 2 * (y * z + x * w), 0,
+             s[2] * 2 * (x * z + y * w), s[2] * 2 * (y * z - x * w), s[2] * (1 - 2 * (x * x + y * y)), 0, t[0], t[1],
+             t[2], 1}};
+}
+
+// As Transform has it; the fuzzer links this file without the library.
+Transform product(const Transform& outer, const Transform& inner)
+{
+    Transform result;
+    for (std::size_t column = 0; column < 4; ++column)
+        for (std::size_t row = 0; row < 4; ++row) {
+            double sum = 0;
+            for (std::size_t k = 0; k < 4; ++k) sum += outer.m[4 * k + row] * inner.m[4 * column + k];
+            result.m[4 * column + row] = sum;
+        }
+    return result;
 }
 
 // The node with a camera to the world, through the nodes above it.
@@ -81,7 +94,7 @@ Transform camera_of(const Json& nodes)
     std::size_t steps = 0;
     for (auto at = above.find(camera); at != above.end(); at = above.find(at->second)) {
         if (++steps > nodes.size()) throw UsageError("the scene's nodes form a cycle");
-        to_world = local_of(nodes[at->second]) * to_world;
+        to_world = product(local_of(nodes[at->second]), to_world);
     }
     return to_world;
 }
