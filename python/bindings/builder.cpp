@@ -58,8 +58,10 @@ void read_morph_targets(py::handle from, MeshArrays& to)
                                                   : name == "normals"  ? &target.normals
                                                   : name == "tangents" ? &target.tangents
                                                                        : nullptr;
-            if (!member) throw UsageError(where + ": no '" + name + "'; there are positions, normals and tangents");
-            *member = vec3s(value, where + "." + name, to.kept);
+            if (!member)
+                throw UsageError(std::string(where).append(": no '").append(name).append(
+                    "'; there are positions, normals and tangents"));
+            *member = vec3s(value, std::string(where).append(".").append(name), to.kept);
         }
     }
 }

@@ -22,6 +22,7 @@ void raise(const char* name, const Values&... values)
 
 void translate_errors()
 {
+    // NOLINTNEXTLINE(performance-unnecessary-value-param): the type of pybind11's translators
     py::register_local_exception_translator([](std::exception_ptr thrown) {
         try {
             if (thrown) std::rethrow_exception(thrown);
