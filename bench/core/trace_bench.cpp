@@ -36,6 +36,7 @@ TraceBenchResult bench_trace(const std::shared_ptr<const scene::Scene>& scene, c
     render.shadow_culling = ShadowCulling::off;
     render.indirect = Indirect::off;
     render.arithmetic = options.arithmetic;
+    render.keep_image = false;   // the same frame is timed again and again
     frame::FrameEngine engine({.threads = options.threads});
     engine.advance(scene, time, render);
 

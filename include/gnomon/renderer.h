@@ -30,6 +30,7 @@ struct ReferenceLightOptions {
     int spp = 1024;                // paths per pixel
     int bounces = k_all_bounces;   // diffuse bounces; 1: direct light and one bounce
     std::uint64_t seed = 0;
+    friend bool operator==(const ReferenceLightOptions&, const ReferenceLightOptions&) = default;
 };
 
 /// How a frame is rendered: by ray tracing on the CPU, or by the rasteriser on a Vulkan device, which shows mirrors
@@ -123,6 +124,11 @@ struct RenderOptions {
     /// improve() alone instead of at the end of each frame, and pick() works with the rasteriser, too. Images are the
     /// same. Cannot be changed later.
     bool interactive = false;
+    /// Where nothing has changed since the last traced frame, neither scene nor view nor options, give its layers again
+    /// and trace nothing: they are the same to the bit. Not with motion, a shutter or a lens. false: light each frame
+    /// from what is remembered, for measurements.
+    bool keep_image = true;
+    friend bool operator==(const RenderOptions&, const RenderOptions&) = default;
 };
 
 /// Renders frames, and keeps what stays the same from frame to frame. A frame depends on the scene, the input and the

@@ -104,6 +104,7 @@ struct FrameCounters {
     };
     std::optional<KdTree> kdtree;
     bool kept_surfaces = false;   // rasterised: the G-buffer of the frame before was used again
+    bool kept_image = false;      // traced: nothing changed, and the frame has the layers of the one before
     /// Work of following the scene's changes since the last frame.
     struct Update {
         std::uint64_t nodes = 0;   // tracks that were evaluated, values that were taken over, nodes that were visited

@@ -92,6 +92,7 @@ py::dict counters_of(const Frame& frame)
     all["reflection_rays"] = c.reflection_rays;
     all["refraction_rays"] = c.refraction_rays;
     all["draws"] = c.draws;
+    all["kept_image"] = c.kept_image;
     return all;
 }
 

@@ -96,6 +96,7 @@ void visit_options(M& m, const Visit& visit)
     visit("overlay", m.overlay);
     visit("overlay_light", m.overlay_light);
     visit("interactive", m.interactive);
+    visit("keep_image", m.keep_image);
 }
 
 template <class M, class Visit>

@@ -106,3 +106,5 @@ class RenderOptions:
     """Number of a light, from 0; None: all, one panel each."""
     interactive: bool = False
     """Prepare for a window: results for later frames are proven by improve() alone. Cannot be changed later."""
+    keep_image: bool = True
+    """Where nothing has changed since the last traced frame, give its layers again and trace nothing."""

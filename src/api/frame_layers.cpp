@@ -111,12 +111,13 @@ std::vector<std::string> overlay_titles(const scene::Scene& scene, const std::ve
     return titles;
 }
 
-void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const RenderOptions& options, Frame& result)
+void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const RenderOptions& options,
+                std::optional<double> exposure, Frame& result)
 {
     shading::FrameBuffers& buffers = engine.buffers();
     if (engine.is_reference()) result.noise = noise_of(buffers);
     result.tonemap = options.tonemap;
-    result.exposure = options.exposure ? *options.exposure : image::auto_exposure(buffers.color.data);
+    result.exposure = exposure ? *exposure : image::auto_exposure(buffers.color.data);
     if (engine.shown() == frame::Shown::redrawn) {
         engine.paint_redrawn(result.exposure);
         result.tonemap = ToneMap::none;

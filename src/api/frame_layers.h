@@ -14,7 +14,9 @@
 namespace gnomon::api {
 
 /// Exposes the engine's image, and lists its layers.
-void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const RenderOptions& options, Frame& result);
+/// @param exposure  in stops; none: automatic
+void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const RenderOptions& options,
+                std::optional<double> exposure, Frame& result);
 
 /// Makes an overlay, which is in screen colours, the only layer.
 void set_overlay(const Image8& image, Frame& result);

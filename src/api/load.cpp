@@ -11,6 +11,7 @@
 #include "gnomon/scene.h"
 #include "io/load.h"
 #include "scene/builtin/builtin.h"
+#include "scene/defaults/default_view.h"
 #include "scene/defaults/emissive_lights.h"
 #include "scene/defaults/surroundings.h"
 
@@ -49,6 +50,7 @@ Scene load(const std::string& what, const LoadOptions& options)
         scene::add_default_camera(loaded);
         if (options.ground.value_or(false)) scene::add_ground(loaded, scene::k_wanted_ground);
     } else {
+        if (!options.strict) scene::judge_cameras(loaded);
         scene::add_default_camera(loaded);
         scene::SurroundingsOptions surroundings;
         surroundings.ground = options.ground;

@@ -43,6 +43,7 @@ struct Renderer::Impl {
     // Of the last frame, for what is asked about it and for the layer of motion of the next.
     bool has_frame = false;
     double last_time = 0;
+    std::optional<double> last_exposure;
     std::optional<Camera> camera;
     /// A camera in the world, as a frame was rendered with it.
     struct PlacedCamera {
@@ -425,11 +426,12 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
             result.view_left = place.left, result.view_top = place.top;
         }
     } else {
-        api::set_layers(engine, inside, options, result);
+        api::set_layers(engine, inside, options, result.counters.kept_image ? last_exposure : options.exposure, result);
+        last_exposure = result.exposure;
         result.size = view.size;
         watch.end(FrameTimes::image);
         if (options.renderer == RenderMethod::trace) {
-            result.times = engine.buffers().times;
+            result.times = engine.times();
             result.times.ms[FrameTimes::scene] = own.ms[FrameTimes::scene];
             result.times.ms[FrameTimes::image] = own.ms[FrameTimes::image];
         }

@@ -148,6 +148,7 @@ void FrameEngine::forget()
     first_frame_ = true;
     advanced_ = false;
     has_frame_ = false;
+    made_.reset();
     plan_ = {};
 }
 
@@ -389,10 +390,21 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
 {
     GNOMON_CHECK(advanced_);
     advanced_ = false;
-    view_ = view;
     Interruption interruption(progress);
     const InterruptionScope scope(progress ? &interruption : Interruption::current());
     DiscardOnFailure guard(*this);
+    if (is_made(view, request)) {
+        interruption_point();
+        list_changes();
+        times_ = {};
+        has_frame_ = true;
+        guard.succeed();
+        FrameCounters counters;
+        counters.kept_image = true;
+        return counters;
+    }
+    view_ = view;
+    made_.reset();
     // Keep the last image if it is compared with. Nobody else's image is overwritten.
     const std::shared_ptr<const shading::FrameBuffers> last =
         options_.report_changes && follows_frame_ && has_image_ ? buffers_ : nullptr;
@@ -413,6 +425,8 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
         make_report(last.get());
         check_memory("the caches");
         has_frame_ = true;
+        times_ = buffers_->times;
+        if (!plan_.raster && has_image_ && !posed_ && complete()) made_ = Made{scene_, options_, view};
         guard.succeed();
         return counters;
     } catch (const InterruptedError&) {
@@ -426,6 +440,16 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
         guard.succeed();
         throw;
     }
+}
+
+// Whether the image of a traced frame is the one that lies in buffers_. What learns from each frame has to see all of
+// them.
+bool FrameEngine::is_made(const scene::View& view, const RenderRequest& request) const
+{
+    if (!made_ || !options_.keep_image || !follows_frame_ || plan_.raster || plan_.shown != Shown::light || nah_)
+        return false;
+    if (options_.motion || request.shutter || request.log || request.tasks) return false;
+    return made_->scene == scene_ && made_->view == view && made_->options == options_ && state_->changes().is_still();
 }
 
 FrameCounters FrameEngine::render_raster(const scene::View& view)

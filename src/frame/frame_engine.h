@@ -141,6 +141,8 @@ class FrameEngine {
     FrameCounters render(const scene::View& view, const RenderRequest& request = {}, const Progress& progress = {});
 
     // Of the last frame.
+    /// Its stages; others fill `scene` and `image`.
+    const FrameTimes& times() const { return times_; }
     Shown shown() const { return plan_.shown; }
     shading::FrameBuffers& buffers() { return *buffers_; }
     /// The same, to be kept: its memory is not used again as long as there is a pointer to it.
@@ -199,6 +201,7 @@ class FrameEngine {
     void discard_caches();
     void fit_caches(const RenderOptions& options);
     void fit_rasterizer(const RenderOptions& options);
+    bool is_made(const scene::View& view, const RenderRequest& request) const;
     FrameCounters render_raster(const scene::View& view);
     bool uses_environment() const;
     void list_changes();
@@ -239,11 +242,19 @@ class FrameEngine {
     FrameMemory memory_;
     std::shared_ptr<shading::FrameBuffers> buffers_ = memory_.take();
     trace::StateMap states_;
-    scene::View view_;                                  // of the last frame
-    bool has_frame_ = false;                            // see has_frame()
-    bool follows_frame_ = false;                        // the last advance() started from a complete frame
-    bool posed_ = false;                                // the last frame moved through its shutter's times
-    bool has_image_ = false;                            // the last frame's image lies in buffers_ as it was rendered
+    scene::View view_;             // of the last frame
+    bool has_frame_ = false;       // see has_frame()
+    bool follows_frame_ = false;   // the last advance() started from a complete frame
+    bool posed_ = false;           // the last frame moved through its shutter's times
+    bool has_image_ = false;       // the last frame's image lies in buffers_ as it was rendered
+    // What made the image in buffers_, if a frame of the same may have it again.
+    struct Made {
+        std::shared_ptr<const scene::Scene> scene;
+        RenderOptions options;
+        scene::View view;
+    };
+    std::optional<Made> made_;
+    FrameTimes times_;
     EngineReport report_;                               // of the last frame
     std::unique_ptr<scene::SceneState> state_before_;   // see move_previous()
     bool before_lags_ = false;                          // it has values of an earlier scene

@@ -26,4 +26,35 @@ struct OutlineOptions {
 /// @return  the number of parts that were found
 std::size_t find_outlines(Scene& scene, const OutlineOptions& options = {});
 
+/// Turns normals that point away from the fronts of nearly all triangles of a part of a mesh: exporters that mirror a
+/// mesh forget them. If such a part is one-sided, encloses a volume and is wound inwards, its triangles are turned
+/// instead. Outlines stay as they are, so call find_outlines() before.
+/// @return  the number of parts that were turned
+std::size_t turn_surfaces(Scene& scene);
+
+/// Finds domes of skies: unlit objects that lie around all others and are far larger. They get a copy of their material
+/// with Material::outline, because they must not keep the light of an environment from what they surround.
+/// @return  the number of objects that were found
+std::size_t find_sky_domes(Scene& scene);
+
+/// If every surface of a scene is entirely transparent, makes them opaque: some programs write a transparency where an
+/// opacity is expected. Textures and animated values are not looked at: materials that have them count as visible.
+/// @return  whether it did
+bool show_invisible(Scene& scene);
+
+/// Gives one-sided parts that enclose a volume and are wound inwards a copy of their material with Material::outline:
+/// they are seen through from outside, and then let light in from there as well.
+/// @return  the number of parts
+std::size_t open_shells(Scene& scene);
+
+/// Gives meshes without tangents some, where a material has a normal map or is brushed: the mean over the triangles
+/// around each vertex, as MikkTSpace has it, so that smooth surfaces have no facets. Meshes on which triangles with
+/// mirrored texture coordinates share vertices keep those of their triangles, and so do textures that are turned by a
+/// transform.
+/// @return  the number of meshes
+std::size_t add_tangents(Scene& scene);
+
+/// turn_surfaces(), find_sky_domes() and show_invisible(), with a warning for each repair.
+void repair_surfaces(Scene& scene);
+
 }   // namespace gnomon::scene

@@ -63,6 +63,12 @@ struct FrameChanges {
     {
         return !changed.empty() || !lights_moved.empty() || !lights_relit.empty() || !materials_changed.empty();
     }
+    /// Nothing differs from the step before, and nothing came to rest in this one.
+    bool is_still() const
+    {
+        return !anything() && added.empty() && removed.empty() && promoted.empty() && separated.empty() &&
+               groups_moved.empty() && stopped.empty() && lights_stopped.empty();
+    }
     /// Whether the light moved or was relit: what it illuminates must be computed anew.
     bool light_changed(LightId light) const;
 };

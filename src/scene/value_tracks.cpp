@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <initializer_list>
 #include <limits>
 
 #include "base/check.h"
 #include "scene/keyframe_track.h"
+#include "scene/material_layers.h"
 
 namespace gnomon::scene {
 
@@ -39,7 +39,7 @@ glm::vec3 color_at(const NumbersTrack& track, double time)
     return {r, g, b};
 }
 
-std::vector<Interval> changing_of(std::initializer_list<const NumbersTrack*> tracks)
+std::vector<Interval> changing_of(const std::vector<const NumbersTrack*>& tracks)
 {
     std::vector<Interval> intervals;
     for (const NumbersTrack* track : tracks) {
@@ -56,7 +56,35 @@ glm::vec3 scaled(const glm::vec3& color, float factor)
     return glm::min(color * factor, glm::vec3(k_most));
 }
 
+// Sets the properties whose types are simple; layers are those of the material, or null.
+void set_part(const MaterialPart& part, double time, Material& material, MaterialLayers* layers)
+{
+    std::vector<float> values;
+    part.track->evaluate(time, values);
+    GNOMON_CHECK_EQ(values.size(), static_cast<std::size_t>(part.components()));
+    for (float& value : values) value = value > part.least ? std::min(value, part.most) : part.least;
+    const auto place = [&](TextureUse& use) {
+        if (part.place == MaterialPart::Place::offset) use.offset = {values[0], values[1]};
+        if (part.place == MaterialPart::Place::scale) use.scale = {values[0], values[1]};
+        if (part.place == MaterialPart::Place::rotation) use.rotation = values[0];
+    };
+    if (const auto* const number = std::get_if<float Material::*>(&part.member)) material.*(*number) = values[0];
+    if (const auto* const texture = std::get_if<TextureUse Material::*>(&part.member)) place(material.*(*texture));
+    if (!layers) return;
+    if (const auto* const number = std::get_if<float MaterialLayers::*>(&part.member)) layers->*(*number) = values[0];
+    if (const auto* const color = std::get_if<glm::vec3 MaterialLayers::*>(&part.member))
+        layers->*(*color) = {values[0], values[1], values[2]};
+    if (const auto* const texture = std::get_if<TextureUse MaterialLayers::*>(&part.member)) place(layers->*(*texture));
+}
+
 }   // namespace
+
+int MaterialPart::components() const
+{
+    constexpr int k_counts[] = {1, 1, 3, 2, 2};
+    const bool is_texture = member.index() >= 3;
+    return is_texture && place == Place::rotation ? 1 : k_counts[member.index()];
+}
 
 void LightTrack::apply(double time, Light& light) const
 {
@@ -90,11 +118,20 @@ void MaterialTrack::apply(double time, Material& material) const
     if (emissive || strength)
         material.emissive = scaled(emissive ? color_at(emissive, time) : rest_emissive,
                                    strength ? number_at(strength, time, 0, k_most) : rest_strength);
+    // Layers are shared between materials, so change a copy.
+    std::shared_ptr<MaterialLayers> layers;
+    for (const MaterialPart& part : parts) {
+        if (part.of_layers() && !layers && material.layers) layers = std::make_shared<MaterialLayers>(*material.layers);
+        set_part(part, time, material, layers.get());
+    }
+    if (layers) material.layers = std::move(layers);
 }
 
 std::vector<Interval> MaterialTrack::changing() const
 {
-    return changing_of({&base_color, &metallic, &roughness, &emissive, &strength});
+    std::vector<const NumbersTrack*> tracks{&base_color, &metallic, &roughness, &emissive, &strength};
+    for (const MaterialPart& part : parts) tracks.push_back(&part.track);
+    return changing_of(tracks);
 }
 
 void CameraTrack::apply(double time, Camera& camera) const
@@ -103,11 +140,14 @@ void CameraTrack::apply(double time, Camera& camera) const
     if (vertical_fov)
         camera.vertical_fov = number_at(vertical_fov, time, k_narrowest, static_cast<float>(k_widest_fov));
     if (half_height) camera.orthographic_height = 2.0 * number_at(half_height, time, k_narrowest, k_most);
+    if (near) camera.near = number_at(near, time, k_narrowest, k_most);
+    constexpr double k_deeper = 1.0001;   // the far plane is behind the near one
+    if (far) camera.far = std::max<double>(number_at(far, time, k_narrowest, k_most), k_deeper * camera.near);
 }
 
 std::vector<Interval> CameraTrack::changing() const
 {
-    return changing_of({&vertical_fov, &half_height});
+    return changing_of({&vertical_fov, &half_height, &near, &far});
 }
 
 }   // namespace gnomon::scene

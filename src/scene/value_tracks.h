@@ -9,6 +9,7 @@
 // Cost of apply(): a binary search per property with a track.
 
 #include <memory>
+#include <variant>
 #include <vector>
 
 #include "scene/scene.h"
@@ -32,6 +33,24 @@ struct LightTrack {
     std::vector<Interval> changing() const;
 };
 
+struct MaterialLayers;
+
+/// One more property of a material: a number, a colour, or where a texture lies.
+struct MaterialPart {
+    enum class Place : std::uint8_t { offset, scale, rotation };
+
+    std::variant<float Material::*, float MaterialLayers::*, glm::vec3 MaterialLayers::*, TextureUse Material::*,
+                 TextureUse MaterialLayers::*>
+        member;
+    Place place = Place::offset;   // of a texture
+    float least = 0, most = 1;     // of the values
+    NumbersTrack track;
+
+    bool of_layers() const { return member.index() != 0 && member.index() != 3; }
+    /// How many numbers its value has.
+    int components() const;
+};
+
 /// Of a material. The emission is the product of the two factors.
 struct MaterialTrack {
     glm::vec3 rest_emissive{0};   // where there is no track; so for the next
@@ -39,6 +58,7 @@ struct MaterialTrack {
     NumbersTrack base_color;   // 4 numbers: colour and alpha; the alpha of AlphaMode::mask stays as it is
     NumbersTrack metallic, roughness;
     NumbersTrack emissive, strength;   // 3 numbers, 1
+    std::vector<MaterialPart> parts;   // those of layers only for materials that have some
     bool alpha_changes = false;        // the surface is not always as opaque as its material says
 
     void apply(double time, Material& material) const;
@@ -49,6 +69,7 @@ struct MaterialTrack {
 struct CameraTrack {
     NumbersTrack vertical_fov;   // radians; perspective
     NumbersTrack half_height;    // of an orthographic view
+    NumbersTrack near, far;      // metres
 
     void apply(double time, Camera& camera) const;
     std::vector<Interval> changing() const;

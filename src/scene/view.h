@@ -34,6 +34,7 @@ struct View {
     /// Where the image shows what is infinitely far away in a direction, which need not be a unit vector.
     /// @return nothing for an orthographic view, and if the direction does not point forwards
     std::optional<glm::dvec2> project_direction(const glm::dvec3& direction) const;
+    friend bool operator==(const View&, const View&) = default;
 };
 
 /// @param wanted  as in RenderOptions: a name, an index from 0, or auto: the first

@@ -21,8 +21,7 @@ float likeness(const LobePixel& a, const LobePixel& b, const LobeFilterOptions& 
     const float square = glm::dot(apart, apart), reach = options.near * std::max(a.footprint, b.footprint);
     if (!(square < reach * reach)) return 0;
     const float width = std::min(a.width, b.width), wider = std::max(a.width, b.width);
-    const float angle = std::sqrt(glm::dot(turn, turn)) + std::sqrt(square) * std::max(a.nearness, b.nearness);
-    const float difference = (angle + (wider - width)) / width;
+    const float difference = (std::sqrt(glm::dot(turn, turn)) + (wider - width)) / width;
     const float t = std::clamp((options.unlike - difference) / (options.unlike - options.alike), 0.0f, 1.0f);
     return t * t * (3 - 2 * t);
 }

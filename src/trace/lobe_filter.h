@@ -5,7 +5,7 @@
 // The patterns of 8 x 8 neighbouring pixels interleave. A window as large that slides over the image takes each of them
 // once [Keller and Heidrich 2001; Segovia et al. 2006], so each pixel has the rays of 64, and no pattern shows. A
 // neighbour's rays count as far as they could be the pixel's own: as far as its lobe points to the same surroundings,
-// compared with the lobe's width. A smooth mirror, a small sphere, or the foot of a wall therefore keeps to itself.
+// compared with the lobe's width. A smooth mirror or a small sphere therefore keeps to itself.
 //
 // Where few of the rays meet what is bright, the window's edges would show as a woven pattern: they pass over those
 // rays one by one. The window therefore slides twice, which makes its edges soft.
@@ -27,7 +27,6 @@ struct LobePixel {
     glm::vec3 position{0}, axis{0};   // where the lobe starts, and its direction
     float width = 0;                  // shading::lobe_width()
     float footprint = 0;              // of the pixel on the surface, its longer axis
-    float nearness = 0;               // mean of 1 / distance of what the rays met
     glm::vec3 filtered{0};            // `light`, filtered twice: see LobeImage::add_to()
 };
 

@@ -212,6 +212,7 @@ void add_tracks(Fingerprint& print, const scene::Scene& scene)
                                       [&](const scene::Material& material) { add_material(print, material); });
     add_value_tracks<scene::Camera>(print, scene.cameras, times, [&](const scene::Camera& camera) {
         print.add(camera.vertical_fov), print.add(camera.orthographic_height);
+        print.add(camera.near), print.add(camera.far);
     });
 }
 }   // namespace

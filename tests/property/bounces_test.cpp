@@ -68,6 +68,7 @@ RenderOptions with_bounces(int bounces, int size = 32)
     RenderOptions options;
     options.size = {size, size};
     options.bounces = bounces;
+    options.keep_image = false;   // frames of one view are lit again and again
     return options;
 }
 

@@ -93,6 +93,7 @@ TEST(DimLights, SameFrameFromAKeptRendererAndForAnyThreadCount)
     options.max_depth = 0;
     options.background = BackgroundKind::color;
     options.threads = 3;
+    options.keep_image = false;
     Renderer renderer(options);
     for (int k = 0; k < 3; ++k) {
         const Frame frame = renderer.render(scene, 1);

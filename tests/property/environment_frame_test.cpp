@@ -82,6 +82,7 @@ RenderOptions options_of(int size)
     RenderOptions options;
     options.size = {size, size};
     options.indirect = Indirect::off;
+    options.keep_image = false;   // frames of one view are lit again and again
     return options;
 }
 

@@ -37,7 +37,7 @@ struct Case {
 
 std::vector<Case> cases()
 {
-    const RenderOptions usual{.size = {64, 48}, .threads = 4, .layers = true};
+    const RenderOptions usual{.size = {64, 48}, .threads = 4, .layers = true, .keep_image = false};
     std::vector<Case> all{{"builtin:kinetic", usual, 9}, {"builtin:cornell", usual}, {"builtin:cornell", usual}};
     all[1].options.threads = 1;
     all[1].options.samples = 4;
@@ -102,7 +102,7 @@ TEST(Interruption, AFrameAfterCancelledOnesIsThatOfANewRenderer)
 TEST(Interruption, WhatProgressThrowsLeavesRender)
 {
     const Scene scene = load("builtin:cornell");
-    const RenderOptions options{.size = {64, 48}};
+    const RenderOptions options{.size = {64, 48}, .keep_image = false};
     Renderer renderer(options), fresh(options);
     int calls = 0;
     const Progress throws = [&](const ProgressStep&) -> bool {
@@ -158,7 +158,7 @@ TEST(Interruption, OfALoadAtAnyTime)
 TEST(Renderers, InSeveralThreadsOfOneSceneMakeTheSameBytes)
 {
     const Scene scene = load("builtin:kinetic");
-    const RenderOptions options{.size = {64, 48}, .threads = 2, .layers = true};
+    const RenderOptions options{.size = {64, 48}, .threads = 2, .layers = true, .keep_image = false};
     std::vector<std::vector<std::vector<float>>> expected;
     Renderer alone(options);
     for (int frame = 1; frame <= k_frames; ++frame) expected.push_back(layers_of(alone.render(scene, frame)));

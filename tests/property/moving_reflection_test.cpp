@@ -75,6 +75,7 @@ RenderOptions options_of(int size)
     RenderOptions options;
     options.size = {size, size};
     options.bounces = k_all_bounces;
+    options.keep_image = false;   // frames of one view are lit again and again
     return options;
 }
 

@@ -66,6 +66,7 @@ RenderOptions options()
     RenderOptions result;
     result.size = {k_size, k_size};
     result.indirect = Indirect::off;
+    result.keep_image = false;
     return result;
 }
 

@@ -100,6 +100,7 @@ RenderOptions small()
     RenderOptions options;
     options.size = {96, 96};   // nine tiles
     options.indirect = Indirect::off;
+    options.keep_image = false;   // frames of one view are lit again and again
     return options;
 }
 

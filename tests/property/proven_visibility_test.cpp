@@ -92,6 +92,7 @@ RenderOptions options_with(ShadowCulling culling, int threads = 2)
     options.indirect = Indirect::off;
     options.layers = true;
     options.threads = threads;
+    options.keep_image = false;   // frames of one view are lit again and again
     return options;
 }
 

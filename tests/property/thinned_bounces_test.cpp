@@ -112,6 +112,7 @@ RenderOptions bounced(int bounces)
     options.indirect = Indirect::visible;
     options.indirect_on = IndirectOn::cpu;
     options.bounces = bounces;
+    options.keep_image = false;   // frames of one view are lit again and again
     return options;
 }
 

@@ -84,6 +84,7 @@ RenderOptions options_of(int size)
     options.size = {size, size};
     options.indirect = Indirect::visible;
     options.bounces = 1;   // of which there are none: all but the wall is black
+    options.keep_image = false;   // frames of one view are lit again and again
     return options;
 }
 

@@ -250,6 +250,7 @@ TEST(FrameInput, OtherOptionsKeepWhatIsRemembered)
     const Scene scene = load("builtin:cornell");
     RenderOptions options = test::plain({48, 48});
     options.shadow_culling = ShadowCulling::certified;
+    options.keep_image = false;
     Renderer renderer(options);
     FrameInput input;
     input.time = 0;

@@ -8,6 +8,7 @@
 
 #include "gnomon/error.h"
 #include "pointer_document.h"
+#include "scene/material_layers.h"
 #include "scene/state.h"
 #include "scene/value_tracks.h"
 
@@ -101,6 +102,8 @@ TEST(GltfPointers, CamerasFollowTheirTracks)
     PointerDocument d;
     d.animate("/cameras/0/perspective/yfov", {0, 2}, {0.9f, 0.3f}, "SCALAR");
     d.animate("/cameras/1/orthographic/ymag", {0, 2}, {1, 3}, "SCALAR");
+    d.animate("/cameras/0/perspective/znear", {0, 2}, {0.125f, 0.5f}, "SCALAR");
+    d.animate("/cameras/1/orthographic/zfar", {0, 2}, {50, 90}, "SCALAR");
     const auto scene = loaded(d);
     SceneState walked(scene, 0);
     for (const double t : k_times) {
@@ -110,8 +113,134 @@ TEST(GltfPointers, CamerasFollowTheirTracks)
         EXPECT_FALSE(walked.changes().anything());
         EXPECT_NEAR(walked.scene().cameras[0].vertical_fov, ramp(0.9, 0.3, t), 1e-6);
         EXPECT_NEAR(walked.scene().cameras[1].orthographic_height, ramp(2, 6, t), 1e-5);
+        EXPECT_NEAR(walked.scene().cameras[0].near, ramp(0.125, 0.5, t), 1e-6);
+        EXPECT_NEAR(walked.scene().cameras[1].far, ramp(50, 90, t), 1e-4);
         EXPECT_EQ(SceneState(scene, t).scene().cameras[0].vertical_fov, walked.scene().cameras[0].vertical_fov);
     }
+}
+
+// Every number, colour and place of a texture that an extension of materials has, and those of the core.
+TEST(GltfPointers, AllFactorsOfMaterialsFollowTheirTracks)
+{
+    struct Number {
+        const char* pointer;
+        float from, to;
+        float scene::Material::*own;
+        float scene::MaterialLayers::*layer;
+    };
+    using M = scene::Material;
+    using L = scene::MaterialLayers;
+    const Number numbers[] = {
+        {"normalTexture/scale", 1, 3, &M::normal_scale, nullptr},
+        {"occlusionTexture/strength", 0.25f, 0.75f, &M::occlusion_strength, nullptr},
+        {"extensions/KHR_materials_ior/ior", 1.25f, 2, &M::ior, nullptr},
+        {"extensions/KHR_materials_transmission/transmissionFactor", 0.25f, 1, &M::transmission, nullptr},
+        {"extensions/KHR_materials_volume/thicknessFactor", 1, 2, nullptr, &L::thickness},
+        {"extensions/KHR_materials_volume/attenuationDistance", 1, 8, nullptr, &L::attenuation_distance},
+        {"extensions/KHR_materials_specular/specularFactor", 0, 1, nullptr, &L::specular},
+        {"extensions/KHR_materials_clearcoat/clearcoatFactor", 0, 1, nullptr, &L::clearcoat},
+        {"extensions/KHR_materials_clearcoat/clearcoatRoughnessFactor", 0, 0.5f, nullptr, &L::clearcoat_roughness},
+        {"extensions/KHR_materials_clearcoat/clearcoatNormalTexture/scale", 1, 2, nullptr, &L::clearcoat_normal_scale},
+        {"extensions/KHR_materials_sheen/sheenRoughnessFactor", 0.25f, 1, nullptr, &L::sheen_roughness},
+        {"extensions/KHR_materials_anisotropy/anisotropyStrength", 0, 1, nullptr, &L::anisotropy},
+        {"extensions/KHR_materials_anisotropy/anisotropyRotation", -1, 4, nullptr, &L::anisotropy_rotation},
+        {"extensions/KHR_materials_iridescence/iridescenceFactor", 0, 1, nullptr, &L::iridescence},
+        {"extensions/KHR_materials_iridescence/iridescenceIor", 1.25f, 2, nullptr, &L::iridescence_ior},
+        {"extensions/KHR_materials_iridescence/iridescenceThicknessMinimum", 50, 90, nullptr,
+         &L::iridescence_thickness_least},
+        {"extensions/KHR_materials_iridescence/iridescenceThicknessMaximum", 200, 800, nullptr,
+         &L::iridescence_thickness_most},
+        {"extensions/KHR_materials_dispersion/dispersion", 0, 2, nullptr, &L::dispersion}};
+    const std::pair<const char*, glm::vec3 L::*> colors[] = {
+        {"extensions/KHR_materials_volume/attenuationColor", &L::attenuation_color},
+        {"extensions/KHR_materials_specular/specularColorFactor", &L::specular_color},
+        {"extensions/KHR_materials_sheen/sheenColorFactor", &L::sheen_color}};
+    const std::pair<const char*, scene::TextureUse M::*> textures[] = {
+        {"pbrMetallicRoughness/baseColorTexture", &M::base_color_texture},
+        {"pbrMetallicRoughness/metallicRoughnessTexture", &M::metallic_roughness_texture},
+        {"normalTexture", &M::normal_texture},
+        {"occlusionTexture", &M::occlusion_texture}};
+    const std::pair<const char*, scene::TextureUse L::*> layer_textures[] = {
+        {"extensions/KHR_materials_clearcoat/clearcoatTexture", &L::clearcoat_texture},
+        {"extensions/KHR_materials_sheen/sheenColorTexture", &L::sheen_color_texture},
+        {"extensions/KHR_materials_transmission/transmissionTexture", &L::transmission_texture}};
+
+    PointerDocument d;
+    const auto pointer = [](const std::string& rest) { return "/materials/0/" + rest; };
+    for (const Number& n : numbers) d.animate(pointer(n.pointer), {0, 2}, {n.from, n.to}, "SCALAR");
+    for (const auto& [rest, member] : colors) d.animate(pointer(rest), {0, 2}, {1, 0, 0.5f, 0, 1, 0.5f}, "VEC3");
+    const auto move = [&](const std::string& texture) {
+        const std::string place = pointer(texture) + "/extensions/KHR_texture_transform/";
+        d.animate(place + "offset", {0, 2}, {0, 1, 4, 3}, "VEC2");
+        d.animate(place + "scale", {0, 2}, {1, 1, 2, 5}, "VEC2");
+        d.animate(place + "rotation", {0, 2}, {0, -3}, "SCALAR");
+    };
+    for (const auto& [texture, member] : textures) move(texture);
+    for (const auto& [texture, member] : layer_textures) move(texture);
+    const auto scene = loaded(d);
+
+    SceneState walked(scene, 0);
+    const auto expect_moved = [](const scene::TextureUse& use, double t) {
+        EXPECT_NEAR(use.offset.x, ramp(0, 4, t), 1e-5) << t;
+        EXPECT_NEAR(use.offset.y, ramp(1, 3, t), 1e-5) << t;
+        EXPECT_NEAR(use.scale.y, ramp(1, 5, t), 1e-5) << t;
+        EXPECT_NEAR(use.rotation, ramp(0, -3, t), 1e-5) << t;
+    };
+    for (const double t : k_times) {
+        const bool moves = std::min(walked.time(), 2.0) != std::min(t, 2.0);
+        walked.advance(t);
+        EXPECT_EQ(walked.changes().materials_changed, moves ? Ids{0} : Ids{}) << t;
+        const SceneState cold(scene, t);
+        for (const SceneState* state : std::initializer_list<const SceneState*>{&walked, &cold}) {
+            const scene::Material& m = state->scene().materials[0];
+            ASSERT_NE(m.layers, nullptr);
+            EXPECT_FALSE(m.layers->thin_walled) << "its thickness is animated";
+            for (const Number& n : numbers)
+                EXPECT_NEAR(n.own ? m.*n.own : (*m.layers).*n.layer, ramp(n.from, n.to, t), 1e-5 * (1 + n.to))
+                    << n.pointer << " at " << t;
+            for (const auto& [rest, member] : colors)
+                expect_near((*m.layers).*member, {ramp(1, 0, t), ramp(0, 1, t), 0.5}, t);
+            for (const auto& [texture, member] : textures) expect_moved(m.*member, t);
+            for (const auto& [texture, member] : layer_textures) expect_moved((*m.layers).*member, t);
+            EXPECT_TRUE(same_to_rays(m, scene->materials[0]));
+        }
+    }
+}
+
+// A surface whose transmission begins at 0 is one that rays pass from the first frame on.
+TEST(GltfPointers, TransmissionThatBeginsAtZeroIsGlassAtAllTimes)
+{
+    PointerDocument d;
+    d.animate("/materials/0/extensions/KHR_materials_transmission/transmissionFactor", {0, 2}, {0, 1}, "SCALAR");
+    const auto scene = loaded(d);
+    EXPECT_EQ(scene->materials[0].surface_class(), scene::SurfaceClass::transparent);
+    EXPECT_TRUE(thins_light(scene->materials[0]));
+    EXPECT_LT(SceneState(scene, 0).scene().materials[0].transmission, 1e-5f);
+    EXPECT_EQ(SceneState(scene, 2).scene().materials[0].transmission, 1);
+}
+
+// Weights of a mesh move all nodes that have it and none of their own.
+TEST(GltfPointers, WeightsOfAMeshMoveItsNodes)
+{
+    test::Document d;
+    const int p = d.positions({0, 0, 0, 1, 0, 0, 0, 1, 0}), up = d.floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, "VEC3", 3, true);
+    const int input = d.times({0, 2}), output = d.floats({0, 1}, "SCALAR", 1);
+    const auto scene = std::make_shared<const scene::Scene>(d.load(
+        fmt::format(
+            R"("meshes":[{{"weights":[0],"primitives":[{{"attributes":{{"POSITION":{}}},)"
+            R"("targets":[{{"POSITION":{}}}]}}]}}],"nodes":[{{"mesh":0}},{{"mesh":0}},{{"mesh":0,"weights":[0.5]}}],)"
+            R"("animations":[{{"channels":[{{"sampler":0,"target":{{"path":"pointer","extensions":)"
+            R"({{"KHR_animation_pointer":{{"pointer":"/meshes/0/weights"}}}}}}}}],)"
+            R"("samplers":[{{"input":{},"output":{}}}]}}])",
+            p, up, input, output),
+        R"("extensionsUsed":["KHR_animation_pointer"],)"));
+    EXPECT_TRUE(scene->warnings.empty()) << scene->warnings.front();
+    SceneState state(scene, 1);
+    for (const scene::ObjectId object : {0u, 1u, 2u}) EXPECT_NEAR(state.deformed(object).positions[0].z, 0.5f, 1e-6f);
+    state.advance(2);
+    EXPECT_NEAR(state.deformed(0).positions[0].z, 1, 1e-6f);
+    EXPECT_NEAR(state.deformed(1).positions[0].z, 1, 1e-6f);
+    EXPECT_NEAR(state.deformed(2).positions[0].z, 0.5f, 1e-6f);
 }
 
 // A spline leaves the range of its keys; what the renderer cannot use is limited.
@@ -228,8 +357,12 @@ TEST(GltfPointers, AlphaFollowsWhereSurfacesBlend)
 
 TEST(GltfPointers, WhatIsNotSupportedOrHasNoEffectIsNamedOnce)
 {
-    const char* const pointers[] = {"/materials/0/normalTexture/scale",
+    const char* const pointers[] = {"/materials/0/normalTexture/offset",
                                     "/materials/0/alphaCutoff",
+                                    "/materials/0/emissiveTexture/texCoord",
+                                    "/cameras/1/orthographic/xmag",
+                                    "/cameras/1/perspective/znear",
+                                    "/meshes/7/weights",
                                     "/materials/99/emissiveFactor",
                                     "/extensions/KHR_lights_punctual/lights/3/color",
                                     "/extensions/KHR_lights_punctual/lights/2/range",

@@ -174,6 +174,28 @@ TEST(GltfRepairs, AMissingImageIsANeutralTexelAndAMissingBufferAnError)
         EXPECT_THROW(e.load(R"("buffers":[{"byteLength":4,"uri":"none.bin"}])", "", {.strict = strict}), InputError);
 }
 
+TEST(GltfRepairs, FilesAreFoundUnderSimilarNames)
+{
+    test::ScratchFolder folder;
+    std::filesystem::create_directory(folder / "Data");
+    std::ofstream(folder / "Data" / "Mesh.bin") << std::string(8, 0);
+    for (const char* const uri : {"data/mesh.BIN", "Data\\\\Mesh.bin", "data%2Fmesh.bin", "DATA/other/../Mesh.bin"}) {
+        std::ofstream(folder / "a.gltf") << fmt::format(
+            R"({{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":8,"uri":"{}"}}]}})", uri);
+        const bool up = std::string(uri).find("..") != std::string::npos;   // no such folder
+        if (up) {
+            EXPECT_THROW(io::load_gltf(folder / "a.gltf"), InputError);
+            continue;
+        }
+        const scene::Scene scene = io::load_gltf(folder / "a.gltf");
+        ASSERT_EQ(scene.warnings.size(), 1u) << uri;
+        EXPECT_NE(scene.warnings[0].find("1 file has another name than written"), std::string::npos);
+        io::ReadOptions strict;
+        strict.strict = true;
+        EXPECT_THROW(io::load_gltf(folder / "a.gltf", {}, strict), InputError) << uri;
+    }
+}
+
 TEST(GltfRepairs, StridesOfAnimationDataAreRead)
 {
     Document d;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Features of OBJ, each in the smallest file that uses it.
+#include <fmt/format.h>
+
 #include <fstream>
 
 #include "gnomon/error.h"
@@ -54,6 +56,35 @@ TEST_F(ObjImport, ReadsEveryFormOfCorner)
     EXPECT_EQ(mesh.normals[corner], glm::vec3(0, 0, 1));         // normalised
     EXPECT_EQ(mesh.texcoords[0][corner], glm::vec2(1, 0.75f));   // v is flipped
     EXPECT_TRUE(scene.warnings.empty()) << scene.warnings[0];
+}
+
+// Files that were moved from another computer name theirs as that one did.
+TEST_F(ObjImport, FilesAreFoundUnderSimilarNames)
+{
+    std::filesystem::create_directory(folder_ / "Maps");
+    write_png(folder_ / "Maps" / "Brick.png", Image8(2, 2, 3));
+    write_png(folder_ / "wood.png", Image8(2, 2, 3));
+    for (const auto& [written, found] : {std::pair("C:\\Users\\me\\wood.png", "wood.png"),
+                                         {"/elsewhere/wood.png", "wood.png"},
+                                         {"WOOD.PNG", "wood.png"},
+                                         {"\"wood.png\"", "wood.png"},
+                                         {"textures/wood.png", "wood.png"},
+                                         {"../wood.png", "wood.png"},
+                                         {"maps\\brick.png", "Maps/Brick.png"}}) {
+        put("Scene.mtl", fmt::format("newmtl m\nmap_Kd {}\n", written));
+        const scene::Scene scene = load("mtllib scene.mtl\nusemtl m\n" + k_square + "vt 0 0\nf 1/1 2/1 3/1\n");
+        EXPECT_EQ(scene.textures.size(), 1u) << written;
+        EXPECT_TRUE(warned(scene, fmt::format("'{}' is read instead", found))) << written;
+        EXPECT_TRUE(warned(scene, "'Scene.mtl' is read instead"));
+    }
+    // A file outside the folder is none, whatever its name; one that has no similar name is left out.
+    std::filesystem::create_symlink("/etc/passwd", folder_ / "passwd");
+    for (const char* const name : {"PASSWD", "/etc/passwd", "../../etc/passwd", "Maps", "stone.png", "..", "/"}) {
+        put("Scene.mtl", fmt::format("newmtl m\nmap_Kd {}\n", name));
+        const scene::Scene scene = load("mtllib Scene.mtl\nusemtl m\n" + k_square + "vt 0 0\nf 1/1 2/1 3/1\n");
+        EXPECT_TRUE(scene.textures.empty()) << name;
+        EXPECT_TRUE(warned(scene, "is left out")) << name;
+    }
 }
 
 TEST_F(ObjImport, ErrorsNameLineAndColumn)

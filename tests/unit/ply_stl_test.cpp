@@ -186,6 +186,23 @@ TEST_F(PlyStl, TextAndBinaryStlGiveTheSameMeshWithSharedCorners)
     }
     EXPECT_EQ(load("a.stl", k_text_stl).meshes[0].name, "one two");
     EXPECT_EQ(load("a.stl", binary_stl() + "more").warnings.size(), 1u);
+    EXPECT_EQ(load("a.stl", std::string("\xef\xbb\xbf") + k_text_stl).meshes[0].triangles.size(), 2u);
+}
+
+// Programs that write facets as they find them leave 0 or the largest number in the header.
+TEST_F(PlyStl, StlWithoutANumberOfFacetsIsReadByItsLength)
+{
+    for (const std::uint32_t unknown : {0u, 0xffffffffu}) {
+        std::string bytes = binary_stl();
+        bytes.replace(80, 4, raw(unknown, false));
+        const scene::Scene s = load("a.stl", bytes);
+        EXPECT_EQ(s.meshes.at(0).triangles.size(), 2u);
+        ASSERT_EQ(s.warnings.size(), 1u);
+        EXPECT_NE(s.warnings[0].find("2 are read"), std::string::npos) << s.warnings[0];
+    }
+    std::string none = binary_stl().substr(0, 84);
+    none.replace(80, 4, raw(0u, false));
+    EXPECT_TRUE(load("a.stl", none).meshes.empty());
 }
 
 TEST_F(PlyStl, BrokenStlIsRefusedWithAPlace)
@@ -196,7 +213,7 @@ TEST_F(PlyStl, BrokenStlIsRefusedWithAPlace)
     wild.replace(84 + 12, 4, raw(std::numeric_limits<float>::infinity(), false));
     EXPECT_EQ(refusal("a.stl", wild), "byte 96: inf is not a coordinate");
     std::string many = binary_stl();
-    many.replace(80, 4, raw(0xffffffffu, false));
+    many.replace(80, 4, raw(0xfffffffeu, false));
     EXPECT_EQ(refusal("a.stl", many).rfind("byte 80: ", 0), 0u);
     EXPECT_NE(refusal("a.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\n")
                   .find("expected 'vertex', found 'endloop'"),

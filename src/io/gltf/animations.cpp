@@ -12,6 +12,7 @@
 #include "io/gltf/build.h"
 #include "io/gltf/pointers.h"
 #include "scene/keyframe_track.h"
+#include "scene/material_layers.h"
 #include "scene/value_tracks.h"
 
 namespace gnomon::io::gltf {
@@ -84,10 +85,13 @@ class Animations {
             const bool is_property = channel.property != Property::none;
             if (!is_property && (channel.path == Path::pointer || channel.path == Path::unknown)) {
                 constexpr std::size_t k_shown = 100;
-                context_.warn(here, channel.has_pointer ? fmt::format("animates '{}', which is not supported: ignored",
-                                                                      shown_name(channel.pointer.substr(0, k_shown)))
-                                                        : fmt::format("the path '{}' is not supported: ignored",
-                                                                      channel.path_word.substr(0, 64)));
+                const char* const why = why_ignored(channel.pointer);
+                const std::string pointer = shown_name(channel.pointer.substr(0, k_shown));
+                context_.warn(here, why ? fmt::format("animates '{}': {}", pointer, why)
+                                    : channel.has_pointer
+                                        ? fmt::format("animates '{}', which is not supported: ignored", pointer)
+                                        : fmt::format("the path '{}' is not supported: ignored",
+                                                      channel.path_word.substr(0, 64)));
                 continue;
             }
             if (is_property) {
@@ -155,9 +159,19 @@ class Animations {
             case Property::ymag:
                 if (model_.cameras[channel.owner].has_perspective) return "the camera is a perspective one: ignored";
                 break;
+            case Property::camera_near:
+            case Property::camera_far:
+                if ((channel.pointer.find("/perspective/") != std::string::npos) !=
+                    model_.cameras[channel.owner].has_perspective)
+                    return "the camera is of the other kind: ignored";
+                break;
             default:
                 break;
         }
+        constexpr std::string_view k_base = "/pbrMetallicRoughness/baseColorTexture/";
+        if (channel.property >= Property::first_part && channel.pointer.find(k_base) != std::string::npos &&
+            model_.materials[channel.owner].alpha_mode == "MASK")
+            return "holes of a surface cannot move: ignored";
         return nullptr;
     }
 
@@ -214,6 +228,8 @@ class Animations {
         auto track = std::make_shared<scene::CameraTrack>();
         track->vertical_fov = property(sources, Property::yfov);
         track->half_height = property(sources, Property::ymag);
+        track->near = property(sources, Property::camera_near);
+        track->far = property(sources, Property::camera_far);
         return track;
     }
 
@@ -229,6 +245,14 @@ class Animations {
         track.strength = property(sources, Property::emissive_strength);
         if (const auto at = sources.find(Property::base_color); at != sources.end())
             track.alpha_changes = alpha_changes(at->second, material);
+        for (const auto& [number, source] : sources) {
+            std::optional<scene::MaterialPart> part = part_of(number);
+            if (!part) continue;
+            part->track = property(sources, number);
+            const auto* const texture = std::get_if<scene::TextureUse scene::Material::*>(&part->member);
+            if (texture && *texture == &scene::Material::base_color_texture) track.alpha_changes = true;
+            track.parts.push_back(*std::move(part));
+        }
         return track;
     }
 
@@ -328,6 +352,25 @@ class Animations {
     std::map<Index, std::pair<double, double>> spans_;   // by accessor of key times
 };
 
+// Gives a material what its animated parts need: the block of layers, and transmission that is never quite 0.
+void prepare(const Material& source, const scene::MaterialTrack& track, scene::Material& material)
+{
+    bool layers = false, transmits = false, thick = source.layers && source.layers->thickness > 0;
+    for (const scene::MaterialPart& part : track.parts) {
+        layers = layers || part.of_layers();
+        if (const auto* const number = std::get_if<float scene::Material::*>(&part.member))
+            transmits = transmits || *number == &scene::Material::transmission;
+        if (const auto* const number = std::get_if<float scene::MaterialLayers::*>(&part.member))
+            thick = thick || *number == &scene::MaterialLayers::thickness;
+    }
+    if (!layers && !transmits) return;
+    scene::MaterialLayers block = material.layers ? *material.layers : scene::MaterialLayers();
+    block.thin_walled = !thick;
+    material.layers = std::make_shared<const scene::MaterialLayers>(std::move(block));
+    // The class of a surface is the same at all times.
+    if (transmits) track.apply(0, material);
+}
+
 // Gives the parts of the scene that a light, camera or material of the file became the tracks of its properties.
 void set_tracks(Animations& animations, const Model& model, const std::pair<Owner, Index>& owner,
                 const std::map<Property, Source>& sources, const PartIds& ids, const Materials& materials,
@@ -345,6 +388,7 @@ void set_tracks(Animations& animations, const Model& model, const std::pair<Owne
         for (const Materials::Made& made : materials.made_of(index)) {
             auto own = std::make_shared<scene::MaterialTrack>(track);
             if (made.emits_nowhere) own->emissive = own->strength = nullptr;
+            prepare(model.materials[index], *own, out.materials[made.id]);
             out.materials[made.id].track = std::move(own);
         }
     }

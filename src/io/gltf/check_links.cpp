@@ -131,7 +131,7 @@ bool format_fits(const Accessor& accessor, Path path)
 bool format_fits(const Accessor& accessor, Property property)
 {
     const int n = components_of(property);
-    const Shape shape = n == 1 ? Shape::scalar : n == 3 ? Shape::vec3 : Shape::vec4;
+    const Shape shape = n == 1 ? Shape::scalar : n == 2 ? Shape::vec2 : n == 3 ? Shape::vec3 : Shape::vec4;
     const bool is_float = accessor.component == Component::f32;
     const bool fraction = accessor.normalized && !is_float && accessor.component != Component::u32;
     return accessor.shape == shape && (fraction || (is_float && !accessor.normalized));

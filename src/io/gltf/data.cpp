@@ -9,6 +9,7 @@
 
 #include "gnomon/error.h"
 #include "io/file/read_file.h"
+#include "io/file/scene_folder.h"
 
 namespace gnomon::io::gltf {
 
@@ -124,10 +125,21 @@ Data::Data(const Model& model, const std::filesystem::path& file, std::optional<
         context.warn("", "no buffer uses the GLB's binary chunk");
 }
 
+std::string Data::meant(const std::string& path, const std::string& pointer) const
+{
+    std::error_code error;
+    const bool readable = path.find('\0') == std::string::npos && std::filesystem::path(path).is_relative();
+    if (context_.strict() || !readable || std::filesystem::exists(folder_ / path, error) || error) return path;
+    const std::string likely = name_like(folder_, path);
+    if (likely.empty()) return path;
+    if (renamed_.insert(path).second) context_.repair(Fault::file_name, pointer, [] { return std::string(); });
+    return likely;
+}
+
 std::filesystem::path Data::find_file(const std::string& path, const std::string& pointer) const
 {
     std::string problem;
-    std::filesystem::path found = resolve_inside(folder_, path, {folder_}, problem);
+    std::filesystem::path found = resolve_inside(folder_, meant(path, pointer), {folder_}, problem);
     if (found.empty()) context_.fail(pointer, fmt::format("'{}' {}", path.substr(0, 200), problem));
     return found;
 }
@@ -139,8 +151,8 @@ std::filesystem::path Data::resource_file(const std::string& uri, const std::str
     const bool below = resource.kind == Resource::Kind::file && !relative.empty() && relative.is_relative() &&
                        *relative.begin() != ".." && resource.path.find('\0') == std::string::npos;
     std::error_code error;
-    missing = below &&
-              std::filesystem::status(folder_ / resource.path, error).type() == std::filesystem::file_type::not_found;
+    missing = below && std::filesystem::status(folder_ / meant(resource.path, pointer), error).type() ==
+                           std::filesystem::file_type::not_found;
     if (missing) return {};
     return resource.kind == Resource::Kind::file ? find_file(resource.path, pointer) : std::filesystem::path();
 }

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -81,11 +82,14 @@ class Data {
         std::span<const std::uint8_t> span;
         bool remote = false;
     };
+    // The name of a file that probably was meant, if there is none with this name.
+    std::string meant(const std::string& path, const std::string& pointer) const;
     std::filesystem::path find_file(const std::string& path, const std::string& pointer) const;
     std::vector<std::uint8_t> read_file(const std::string& path, const std::string& pointer) const;
 
     const Model& model_;
     Context& context_;
+    mutable std::set<std::string> renamed_;   // files that were found with another name, each counted once
     std::filesystem::path folder_;                                       // canonical; no file outside is opened
     std::map<std::filesystem::path, std::vector<std::uint8_t>> files_;   // files of buffers, each read once
     std::vector<Bytes> buffers_;

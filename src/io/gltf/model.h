@@ -217,7 +217,10 @@ enum class Property : std::uint8_t {
     emissive,
     emissive_strength,
     yfov,
-    ymag
+    ymag,
+    camera_near,
+    camera_far,
+    first_part   // from here on: the rows of material_parts()
 };
 enum class Interpolation : std::uint8_t { linear, step, cubic_spline, unknown };
 

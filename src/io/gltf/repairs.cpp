@@ -25,6 +25,7 @@ constexpr Wording k_wordings[] = {
      "normalised; any direction across the normal where there is none"},
     {"texture without its texture coordinates", "textures without their texture coordinates", "left out"},
     {"image file does not exist", "image files do not exist", "replaced by a neutral texel"},
+    {"file has another name than written", "files have other names than written", "the most similar one is read"},
     {"accessor whose min and max are missing or wrong", "accessors whose min and max are missing or wrong", "computed"},
     {"use of a buffer view for another kind of data than declared or used before",
      "uses of buffer views for another kind of data than declared or used before", "read as used"},

@@ -21,6 +21,7 @@ enum class Fault : std::uint8_t {
     tangent_length,       // a tangent that is not of unit length or whose w is not a sign
     missing_texcoord,     // a texture of a primitive without its texture coordinates
     missing_image,        // the file of an image does not exist
+    file_name,            // a file whose name is written differently, or that lies in another folder
     bounds,               // min and max of an accessor that are missing or are not those of its data
     buffer_target,        // a buffer view used for another kind of data than declared or used before
     inverse_bind_row,     // the last row of an inverse bind matrix

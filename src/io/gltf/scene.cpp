@@ -329,6 +329,8 @@ scene::Scene load_gltf(const std::filesystem::path& file, const Progress& progre
     scene.warnings = context.take_warnings();
     scene::find_solid_blends(scene);
     scene::find_outlines(scene);
+    if (!options.strict) repair_surfaces(scene);
+    scene::add_tangents(scene);
     scene.finish();
     step(1);
     return scene;

@@ -41,7 +41,9 @@ std::vector<std::string> library_names(const std::string& line, const SceneFolde
     if (known.contains(line)) return {};
     std::string problem;
     std::vector<std::string> names;
-    if (folder.find(line, problem)) {
+    // A similar name with blanks counts as one name only where it can be no list of names.
+    const bool one = line.find_first_of(" \t") == std::string::npos || line.find_first_of("\\:\"") != std::string::npos;
+    if (folder.find(line, problem) && (problem.empty() || one)) {
         known.insert(line);
         return {line};
     }
@@ -74,6 +76,7 @@ std::vector<MtlMaterial> read_libraries(const ObjData& data, const SceneFolder& 
                 warnings.push_back(fmt::format("material file '{}' is left out: {}", shown(name), problem));
                 continue;
             }
+            if (!problem.empty()) warnings.push_back(fmt::format("material file '{}' {}", shown(name), problem));
             if (!read.insert(*path).second) continue;
             const auto bytes = read_whole_file(*path, name, k_largest_mtl);
             ObjText text(name, text_of(bytes));
@@ -150,6 +153,8 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
         scene.warnings.push_back(std::move(halved));
     scene::find_solid_blends(scene);
     scene::find_outlines(scene);
+    if (!options.strict) repair_surfaces(scene);
+    scene::add_tangents(scene);
     scene.finish();
     return scene;
 }

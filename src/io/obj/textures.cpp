@@ -75,6 +75,7 @@ Source open(const SceneFolder& folder, const MtlMap& map, Made& made)
             source.bytes = read_whole_file(*path, map.file, k_largest_image_file);
             source.needs = image_needs(source.bytes, map.file);
             made.files.emplace_back(*path, source.pixels());
+            if (!problem.empty()) made.warnings.push_back(fmt::format("texture '{}' {}", shown(map.file), problem));
             return source;
         } catch (const InputError& error) {
             problem = error.problem();

@@ -39,17 +39,16 @@ struct Facets {
     std::vector<std::string> names;
 };
 
-Facets read_binary(std::span<const std::uint8_t> bytes, const std::string& file)
+Facets read_binary(std::span<const std::uint8_t> bytes, const std::string& file, std::uint64_t count)
 {
     Facets facets;
     facets.names.emplace_back();
-    const std::uint32_t count = u32_at(bytes.data() + k_header - 4);
     if (count > k_most_facets) throw InputError(file, "byte 80", fmt::format("{} facets are too many", count));
-    facets.corners.reserve(3 * std::size_t{count});
+    facets.corners.reserve(3 * count);
     facets.object.resize(count);
-    for (std::uint32_t f = 0; f < count; ++f) {
+    for (std::size_t f = 0; f < count; ++f) {
         if (f % k_facets_a_step == 0) interruption_point();
-        const std::size_t begin = k_header + k_facet * std::size_t{f};
+        const std::size_t begin = k_header + k_facet * f;
         const std::uint8_t* at = bytes.data() + begin + 12;   // behind the normal
         for (int corner = 0; corner < 3; ++corner) {
             glm::vec3 p;
@@ -150,24 +149,35 @@ Facets read_facets(std::span<const std::uint8_t> bytes, const std::string& file,
 {
     // Binary files may begin with "solid", too: the length decides.
     const bool has_header = bytes.size() >= k_header;
-    const std::uint64_t claimed = has_header ? k_header + std::uint64_t{k_facet} * u32_at(bytes.data() + 80) : 0;
+    const std::uint64_t claimed =
+        has_header ? k_header + std::uint64_t{k_facet} * u32_at(bytes.data() + k_header - 4) : 0;
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    const std::size_t first = std::min(text.find_first_not_of(" \t\r\n"), text.size());
+    const std::size_t mark = text.starts_with("\xef\xbb\xbf") ? 3 : 0;   // a byte order mark
+    const std::size_t first = std::min(text.find_first_not_of(" \t\r\n", mark), text.size());
     std::string word(text.substr(first, 5));
     std::transform(word.begin(), word.end(), word.begin(),
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    if (has_header && claimed == bytes.size()) return read_binary(bytes, file);
+    const std::uint32_t declared = has_header ? u32_at(bytes.data() + k_header - 4) : 0;
+    if (has_header && claimed == bytes.size()) return read_binary(bytes, file, declared);
     if (word == "solid") {
         ObjText source(file, text);
         return TextReader(source).read();
     }
     if (!has_header) throw InputError(file, "byte 0", "is neither text that begins with 'solid' nor a binary STL");
+    // Programs that write while they compute do not know the number of facets, and leave 0 or the largest one.
+    constexpr std::uint32_t k_unknown = 0xffffffff;
+    if ((declared == 0 || declared == k_unknown) && bytes.size() > k_header &&
+        (bytes.size() - k_header) % k_facet == 0) {
+        warnings.push_back(fmt::format("declares {} facets: {} are read, as many as the file holds", declared,
+                                       (bytes.size() - k_header) / k_facet));
+        return read_binary(bytes, file, (bytes.size() - k_header) / k_facet);
+    }
     if (claimed > bytes.size())
-        throw InputError(file, "byte 80",
-                         fmt::format("declares {} facets in {} bytes, but the file has {}", u32_at(bytes.data() + 80),
-                                     claimed, bytes.size()));
+        throw InputError(
+            file, "byte 80",
+            fmt::format("declares {} facets in {} bytes, but the file has {}", declared, claimed, bytes.size()));
     warnings.push_back(fmt::format("{} bytes behind the last facet are ignored", bytes.size() - claimed));
-    return read_binary(bytes, file);
+    return read_binary(bytes, file, declared);
 }
 
 }   // namespace

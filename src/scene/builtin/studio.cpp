@@ -25,7 +25,7 @@ constexpr SoftBox k_boxes[] = {
 };
 constexpr float k_edge = 0.06f;   // width of a box's soft edge, as a tangent
 
-constexpr glm::vec3 k_floor{0.33f, 0.33f, 0.33f}, k_horizon{0.43f, 0.43f, 0.435f}, k_wall{0.22f, 0.22f, 0.225f};
+constexpr glm::vec3 k_floor{0.2f, 0.2f, 0.2f}, k_horizon{0.26f, 0.26f, 0.263f}, k_wall{0.14f, 0.14f, 0.143f};
 constexpr float k_floor_depth = 0.7f;    // sine below the horizon at which the floor has its own colour
 constexpr float k_wall_height = 0.45f;   // sine above it at which the wall has
 

@@ -6,7 +6,7 @@
 // ceiling, and two narrow strips behind, so that metals have bright shapes with dark edges to mirror. All of them stand
 // more than 20 degrees above the horizon, beyond what a camera that looks down on an object sees behind it. Colours are
 // neutral but for a slightly warm key and slightly cool strips. A surface that faces up and sees everything has a
-// radiance of about 1.3 times its reflectance, the backdrop one of .3 to .4.
+// radiance of about 1.3 times its reflectance, the backdrop one of .14 to .26: so light objects stand out before it.
 
 #include <memory>
 

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene/defaults/default_view.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 #include <vector>
 
+#include "base/check.h"
+#include "base/one_line.h"
 #include "scene/defaults/framing.h"
 #include "scene/defaults/surface_points.h"
 #include "scene/view.h"
@@ -39,9 +43,10 @@ glm::dmat4 matrix_of(const glm::dmat3& axes, const glm::dvec3& eye)
 }
 
 // Frames the scene from a direction.
-DefaultView view_from(const SceneState& state, const glm::dvec3& direction)
+DefaultView view_from(const SceneState& state, const glm::dvec3& direction, const std::vector<char>& left_out)
 {
     FramingOptions options;
+    options.left_out = left_out;
     options.back = glm::normalize(direction);
     options.vertical_fov = k_fov;
     const Framed framed = frame_clip(state.scene(), options);
@@ -55,11 +60,52 @@ DefaultView view_from(const SceneState& state, const glm::dvec3& direction)
     return view;
 }
 
+TestImage image_of(const SceneState& state, const DefaultView& view)
+{
+    return test_image_of(state, view.camera, matrix_of(view.axes, view.eye));
+}
+
 // How much of what there is the square image shows.
 float rating(const SceneState& state, const DefaultView& view)
 {
-    const TestImage image = test_image_of(state, view.camera, matrix_of(view.axes, view.eye));
+    const TestImage image = image_of(state, view);
     return image.shown() > 0 ? image.shown_of_all() : -1;
+}
+
+// Whether an image shows more than one even wall: edges between objects or between faces.
+bool has_edges(const TestImage& image, float least)
+{
+    constexpr float k_crease = 0.7f;   // cosine
+    std::size_t edges = 0;
+    const auto side = static_cast<std::size_t>(image.side);
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+        const TestPixel& a = image.pixels[i];
+        for (const std::size_t other :
+             {i % side + 1 < side ? i + 1 : i, i + side < image.pixels.size() ? i + side : i}) {
+            const TestPixel& b = image.pixels[other];
+            edges += a.object != b.object || (a.object != none && glm::dot(a.normal, b.normal) < k_crease);
+        }
+    }
+    return static_cast<float>(edges) >= least * static_cast<float>(image.pixels.size());
+}
+
+// The best of the directions from which objects are looked at.
+DefaultView best_outside(const SceneState& state, const Box3& box, const std::vector<char>& left_out,
+                         const DefaultViewOptions& options)
+{
+    const glm::dvec3 pleasant = pleasant_direction(box.size());
+    DefaultView best = view_from(state, pleasant, left_out);
+    float most = rating(state, best);
+    if (most >= options.enough || box.empty()) return best;
+    for (const glm::dvec3& turned : {glm::dvec3(-1, 1, 1), glm::dvec3(1, 1, -1), glm::dvec3(-1, 1, -1),
+                                     glm::dvec3(1, -1, 1), glm::dvec3(1, -1, -1)}) {
+        const DefaultView other = view_from(state, turned * pleasant, left_out);
+        const float shows = rating(state, other);
+        // Take another direction only if it shows clearly more.
+        if (shows > most + 0.1f) most = shows, best = other;
+        if (most >= options.enough) break;
+    }
+    return best;
 }
 
 DefaultView inside(const Interior& room, double diagonal)
@@ -110,6 +156,7 @@ std::optional<Interior> believed_interior(const SceneState& state, const Default
         facing += pixel.object != none && !pixel.from_behind;
     }
     if (static_cast<float>(facing) < options.enclosed * static_cast<float>(asked)) return {};
+    if (!has_edges(image, options.edges)) return {};
     return room;
 }
 
@@ -120,19 +167,63 @@ DefaultView choose_view(const SceneState& state, const DefaultViewOptions& optio
         DefaultView view = inside(*room, static_cast<double>(box.diagonal()));
         if (rating(state, view) > 0) return view;
     }
-    const glm::dvec3 pleasant = pleasant_direction(box.size());
-    DefaultView best = view_from(state, pleasant);
-    float most = rating(state, best);
-    if (most >= options.enough || box.empty()) return best;
-    for (const glm::dvec3& turned : {glm::dvec3(-1, 1, 1), glm::dvec3(1, 1, -1), glm::dvec3(-1, 1, -1),
-                                     glm::dvec3(1, -1, 1), glm::dvec3(1, -1, -1)}) {
-        const DefaultView other = view_from(state, turned * pleasant);
-        const float shows = rating(state, other);
-        // Take another direction only if it shows clearly more.
-        if (shows > most + 0.1f) most = shows, best = other;
-        if (most >= options.enough) break;
+    FramingOptions framing;
+    framing.left_out = surrounding_objects(state);
+    DefaultView best = best_outside(state, framing.left_out.empty() ? box : frame_clip(state.scene(), framing).box,
+                                    framing.left_out, options);
+    if (!framing.left_out.empty() || box.empty() || image_of(state, best).shown() >= options.least_shown) return best;
+
+    // Objects that are far apart are specks if all of them are in view.
+    framing.left_out = all_but_largest_group(state);
+    if (framing.left_out.empty()) return best;
+    const DefaultView nearer = best_outside(state, frame_clip(state.scene(), framing).box, framing.left_out, options);
+    return image_of(state, nearer).shown() > options.least_shown ? nearer : best;
+}
+
+bool shows_something(const SceneState& state, const Camera& camera, float least)
+{
+    const glm::dmat4 placed = state.world(camera.node);
+    if (camera.orthographic_height > 0 || camera.projection) return true;
+    const float far = make_view(camera, placed, {1, 1}).far;
+    const TestImage image = test_image_of(state, camera, placed);
+    const auto shown = std::count_if(image.pixels.begin(), image.pixels.end(), [&](const TestPixel& pixel) {
+        return pixel.object != none && pixel.depth <= far;
+    });
+    return static_cast<float>(shown) >= least * static_cast<float>(image.pixels.size());
+}
+
+void judge_cameras(Scene& scene, const DefaultViewOptions& options)
+{
+    if (scene.cameras.empty() || scene.objects.empty()) return;
+    GNOMON_CHECK(!scene.child_begin.empty());
+    constexpr int k_looks = 8;
+    SceneState state(std::shared_ptr<const Scene>(std::shared_ptr<const Scene>(), &scene), scene.timeline.start);
+    std::vector<char> shows(scene.cameras.size());
+    for (int look = 0; look < k_looks && !shows.front(); ++look) {
+        if (look > 0) {
+            if (!(scene.timeline.end > scene.timeline.start)) break;
+            state.advance(scene.timeline.start + (scene.timeline.end - scene.timeline.start) * look / (k_looks - 1));
+        }
+        for (CameraId c = 0; c < scene.cameras.size(); ++c)
+            shows[c] = shows[c] || shows_something(state, state.scene().cameras[c], options.least_shown);
     }
-    return best;
+    if (shows.front()) return;
+    const auto good = std::find(shows.begin(), shows.end(), 1);
+    const std::string name = scene.cameras.front().name;
+    if (good == shows.end()) {
+        std::vector<Camera> own = std::move(scene.cameras);
+        scene.cameras.clear();
+        add_default_camera(scene);
+        scene.warnings.pop_back();
+        scene.warnings.push_back(fmt::format(
+            "no camera of the scene shows a surface: added a default camera before '{}'", shown_name(name)));
+        scene.cameras.insert(scene.cameras.end(), own.begin(), own.end());
+        return;
+    }
+    const auto at = scene.cameras.begin() + (good - shows.begin());
+    scene.warnings.push_back(
+        fmt::format("camera '{}' shows no surface: '{}' comes first", shown_name(name), shown_name(at->name)));
+    std::rotate(scene.cameras.begin(), at, at + 1);
 }
 
 }   // namespace gnomon::scene

@@ -16,8 +16,10 @@ namespace gnomon::scene {
 
 struct DefaultViewOptions {
     float hidden = 0.5f;   // at least this fraction of the surface must not be seen from outside for a view from inside
-    float enclosed = 0.85f;   // at least this fraction of the pixels must then show surfaces that face the camera
-    float enough = 0.6f;      // of the pixels with surfaces, the fraction that must show the first one
+    float enclosed = 0.85f;        // at least this fraction of the pixels must then show surfaces that face the camera
+    float enough = 0.6f;           // of the pixels with surfaces, the fraction that must show the first one
+    float edges = 0.004f;          // of the pixels of a view from inside: beside another object or a face at an angle
+    float least_shown = 0.0007f;   // of the pixels: an image with less is blank
 };
 
 struct DefaultView {
@@ -28,6 +30,11 @@ struct DefaultView {
 };
 
 DefaultView choose_view(const SceneState& state, const DefaultViewOptions& options = {});
+
+/// Makes sure that the first camera of a scene that has some shows a surface at some time: if it does not, the next one
+/// that does comes first, or a default camera if none does. Says so in a warning. Orthographic cameras are not judged.
+/// Call after finish().
+void judge_cameras(Scene& scene, const DefaultViewOptions& options = {});
 
 /// A room that is seen from inside, or nothing: find_interior(), judged by test images. A stage is believed as it is.
 std::optional<Interior> believed_interior(const SceneState& state, const DefaultViewOptions& options = {});

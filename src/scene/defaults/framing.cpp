@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "scene/convex_hull.h"
-#include "scene/state.h"
 
 namespace gnomon::scene {
 
@@ -111,6 +110,7 @@ Content content_of_clip(const Scene& scene, const FramingOptions& options, Conte
     for (ObjectId id = 0; id < objects; id += k_stride) order.push_back(id);
     for (ObjectId id = 0; id < objects; ++id)
         if (id % k_stride != 0) order.push_back(id);
+    std::erase_if(order, [&](ObjectId id) { return id < options.left_out.size() && options.left_out[id]; });
     for (const ObjectId id : order) collector.add(state, id, first);
     std::erase_if(order, [&](ObjectId id) { return !scene.objects[id].dynamic; });
     Content all = first;
@@ -132,7 +132,74 @@ double size_of(const Content& content)
     return std::max(static_cast<double>(content.box.diagonal()), k_least_size);
 }
 
+// The box of an object at a time; empty if it is not visible.
+Box3 box_of(const SceneState& state, ObjectId id)
+{
+    Box3 box;
+    if (!state.object_visible(id)) return box;
+    const Object& object = state.scene().objects[id];
+    const Mesh& mesh = state.scene().meshes[object.mesh];
+    const glm::mat4 world = state.object_matrix(id);
+    for (const glm::vec3& position : object.deforming ? state.deformed(id).positions : mesh.positions)
+        if (const glm::vec3 p = transform_point(world, position); is_finite(p)) box.add(p);
+    return box;
+}
+
 }   // namespace
+
+std::vector<char> surrounding_objects(const SceneState& state)
+{
+    constexpr float k_larger = 6;   // than the others together, so that a camera that frames them stays inside
+    const Scene& scene = state.scene();
+    std::vector<char> left_out(scene.objects.size());
+    for (ObjectId id = 0; id < scene.objects.size(); ++id) {
+        const Mesh& mesh = scene.meshes[scene.objects[id].mesh];
+        left_out[id] = !mesh.parts.empty() &&
+                       std::all_of(mesh.parts.begin(), mesh.parts.end(),
+                                   [&](const MeshPart& part) { return scene.materials[part.material].outline; });
+    }
+    if (std::find(left_out.begin(), left_out.end(), 1) == left_out.end()) return {};
+    Box3 rest;
+    for (ObjectId id = 0; id < scene.objects.size(); ++id)
+        if (!left_out[id])
+            if (const Box3 box = box_of(state, id); !box.empty()) rest.add(box.low), rest.add(box.high);
+    bool any = false;
+    for (ObjectId id = 0; id < scene.objects.size(); ++id) {
+        if (left_out[id]) left_out[id] = !rest.empty() && box_of(state, id).diagonal() > k_larger * rest.diagonal();
+        any = any || left_out[id];
+    }
+    return any ? left_out : std::vector<char>();
+}
+
+std::vector<char> all_but_largest_group(const SceneState& state)
+{
+    const auto count = static_cast<ObjectId>(state.scene().objects.size());
+    std::vector<Box3> boxes(count);
+    std::vector<char> left_out(count, 1);
+    Box3 group;
+    ObjectId largest = none;
+    for (ObjectId id = 0; id < count; ++id) {
+        boxes[id] = box_of(state, id);
+        if (boxes[id].empty()) continue;
+        if (largest == none || boxes[id].diagonal() > boxes[largest].diagonal()) largest = id;
+    }
+    if (largest == none) return {};
+    left_out[largest] = 0, group = boxes[largest];
+    // Add what is no farther away than the group is large, until nothing is.
+    for (bool grows = true; grows;) {
+        grows = false;
+        const float reach = group.diagonal();
+        for (ObjectId id = 0; id < count; ++id) {
+            if (!left_out[id] || boxes[id].empty()) continue;
+            const glm::vec3 apart =
+                glm::max(glm::max(boxes[id].low - group.high, group.low - boxes[id].high), glm::vec3(0));
+            if (!(glm::length(apart) <= reach)) continue;
+            left_out[id] = 0, grows = true;
+            group.add(boxes[id].low), group.add(boxes[id].high);
+        }
+    }
+    return std::find(left_out.begin(), left_out.end(), 1) == left_out.end() ? std::vector<char>() : left_out;
+}
 
 glm::dmat3 camera_axes(const glm::dvec3& back)
 {

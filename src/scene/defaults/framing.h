@@ -6,9 +6,10 @@
 // Cost: all vertices once, and the vertices of dynamic objects once for each sampled time.
 
 #include <memory>
+#include <vector>
 
 #include "scene/camera_fit.h"
-#include "scene/scene.h"
+#include "scene/state.h"
 
 namespace gnomon::scene {
 
@@ -21,6 +22,7 @@ struct FramingOptions {
     std::size_t vertices = 4'000'000;
     float widest_clip =
         2.5;   // objects that travel farther than this many diagonals of the first frame are framed at its time only
+    std::vector<char> left_out{};   // by object: 1 for those that need not be in view; empty: all are framed
 };
 
 struct Framed {
@@ -31,6 +33,13 @@ struct Framed {
 
     glm::dvec3 eye(double aspect) const { return axes * fit->eye(aspect); }
 };
+
+/// The objects that need not be in view because they are the surroundings of the others: those that cast no shadow and
+/// are far larger than the rest, like the dome of a sky. Empty if there are none.
+std::vector<char> surrounding_objects(const SceneState& state);
+
+/// All objects but the largest and those near it; empty if that leaves out none.
+std::vector<char> all_but_largest_group(const SceneState& state);
 
 /// Frames a scene without vertices like a sphere of radius 1. Call after finish().
 Framed frame_clip(const Scene& scene, const FramingOptions& options);

@@ -18,7 +18,7 @@ constexpr float k_behind = 0.02f;   // a point is seen up to so far behind the s
 constexpr glm::dvec3 k_views[] = {{1, 0.6, 1},  {-1, 0.6, 1},    {1, 0.6, -1},  {-1, 0.6, -1}, {1, 0.05, 0},
                                   {0, 0.05, 1}, {0.01, 3, 0.01}, {-1, 0.05, 0}, {0, 0.05, -1}};
 
-// Calls body(a, b, c, one-sided) for every visible triangle.
+// Calls body(a, b, c, material) for every visible triangle.
 template <class Body>
 void for_each_triangle(const SceneState& state, const Body& body)
 {
@@ -32,12 +32,12 @@ void for_each_triangle(const SceneState& state, const Body& body)
         const glm::mat4 world = state.object_matrix(id);
         const bool mirrored = glm::determinant(glm::mat3(world)) < 0;
         for (const MeshPart& part : mesh.parts) {
-            const bool one_sided = scene.materials[part.material].one_sided();
+            const Material& material = scene.materials[part.material];
             for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t) {
                 glm::vec3 p[3];
                 for (int c = 0; c < 3; ++c) p[c] = transform_point(world, positions[mesh.triangles[t][c]]);
                 if (mirrored) std::swap(p[1], p[2]);
-                body(p[0], p[1], p[2], one_sided);
+                body(p[0], p[1], p[2], material);
             }
         }
     }
@@ -51,14 +51,14 @@ std::vector<SurfacePlace> surface_points(const SceneState& state, int count)
         return glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a));
     };
     double all = 0;
-    for_each_triangle(state, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, bool) {
+    for_each_triangle(state, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const Material&) {
         if (const double area = glm::length(cross_of(a, b, c)); std::isfinite(area)) all += area;
     });
     std::vector<SurfacePlace> places;
     if (!(all > 0)) return places;
     const double step = all / count;
     double sum = 0, next = 0.5 * step;
-    for_each_triangle(state, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, bool one_sided) {
+    for_each_triangle(state, [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const Material& material) {
         const glm::dvec3 cross = cross_of(a, b, c);
         const double area = glm::length(cross);
         if (!(area > 0) || !std::isfinite(area)) return;
@@ -69,7 +69,7 @@ std::vector<SurfacePlace> surface_points(const SceneState& state, int count)
             if (u + v > 1) u = 1 - u, v = 1 - v;
             if (i == 0) u = v = 1.0 / 3;
             places.push_back({a + static_cast<float>(u) * (b - a) + static_cast<float>(v) * (c - a),
-                              glm::vec3(cross / area), one_sided});
+                              glm::vec3(cross / area), material.one_sided(), material.model != ShadingModel::unlit});
         }
     });
     return places;
@@ -98,7 +98,9 @@ float share_seen_from_outside(const SceneState& state)
             const int x = static_cast<int>(0.5 * k_image + scale * p.x / -p.z);
             const int y = static_cast<int>(0.5 * k_image - scale * p.y / -p.z);
             if (x < 0 || y < 0 || x >= k_image || y >= k_image) continue;
-            const float depth = image.pixels[static_cast<std::size_t>(y) * k_image + static_cast<std::size_t>(x)].depth;
+            // Light does not pass the backs of one-sided surfaces, as views do.
+            const TestPixel& pixel = image.pixels[static_cast<std::size_t>(y) * k_image + static_cast<std::size_t>(x)];
+            const float depth = place.needs_light ? pixel.first : pixel.depth;
             if (static_cast<float>(-p.z) <= depth + k_behind * static_cast<float>(diagonal)) seen[i] = 1;
         }
     }

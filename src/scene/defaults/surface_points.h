@@ -12,6 +12,7 @@ struct SurfacePlace {
     glm::vec3 position{0};   // world space
     glm::vec3 normal{0};     // unit, of the front
     bool one_sided = false;
+    bool needs_light = true;   // shows black in the dark: not unlit
 };
 
 /// About `count` points, in the order of objects and triangles; the same for the same state.

@@ -13,6 +13,7 @@
 #include "scene/defaults/framing.h"
 #include "scene/defaults/space_grid.h"
 #include "scene/defaults/test_image.h"
+#include "scene/file_surfaces.h"
 
 namespace gnomon::scene {
 
@@ -72,6 +73,41 @@ void add_studio(Scene& scene, const SurroundingsOptions& options)
     scene.background.kind = Background::Kind::image;
     scene.background.environment = environment;
     scene.finish();
+}
+
+// Whether the first camera stands above what a ground would lie below.
+bool looks_from_above(const Scene& scene, const SceneState& state)
+{
+    if (scene.cameras.empty()) return true;
+    return state.world(scene.cameras.front().node)[3].y > static_cast<double>(box_of_clip(scene).box.low.y);
+}
+
+// The fraction of the surfaces in view that no light from outside reaches. Unlit ones need none.
+float share_shut_off(const SceneState& state)
+{
+    constexpr int k_directions = 48;
+    constexpr int k_stride = 3;   // of pixels
+    const Scene& scene = state.scene();
+    const SpaceGrid grid(scene, state.time());
+    if (grid.empty() || scene.cameras.empty()) return 0;
+    const Camera& camera = scene.cameras.front();
+    const TestImage image = test_image_of(state, camera, state.world(camera.node));
+    int asked = 0, dark = 0;
+    for (std::size_t i = 0; i < image.pixels.size(); i += k_stride) {
+        const TestPixel& pixel = image.pixels[i];
+        if (pixel.object == none) continue;
+        const Mesh& mesh = scene.meshes[scene.objects[pixel.object].mesh];
+        ++asked;
+        if (scene.materials[mesh.part_of(pixel.triangle).material].model == ShadingModel::unlit) continue;
+        const glm::vec3 from = pixel.position + 2.0f * grid.cell() * pixel.normal;
+        bool open = false;
+        for (int d = 0; d < k_directions && !open; ++d) {
+            const glm::vec3 direction = sphere_direction(d, k_directions);
+            open = glm::dot(direction, pixel.normal) > 0 && grid.cast(from, direction).met == SpaceGrid::Met::nothing;
+        }
+        dark += !open;
+    }
+    return asked > 0 ? static_cast<float>(dark) / static_cast<float>(asked) : 0;
 }
 
 }   // namespace
@@ -165,8 +201,11 @@ void add_surroundings(Scene& scene, const SurroundingsOptions& options)
         } else if (is_landscape(state, options)) {
             add_sky_and_sun(scene, nullptr, why);
         } else {
+            // A closed shell that is seen through its one-sided walls would be black inside.
+            if (!room && share_shut_off(state) > options.shut_off && open_shells(scene) > 0)
+                scene.warnings.emplace_back("one-sided walls around what is in view cast no shadow");
+            ground = options.ground.value_or(!room && !scene.objects.empty() && looks_from_above(scene, state));
             add_studio(scene, options);
-            ground = options.ground.value_or(!room && !scene.objects.empty());
             scene.warnings.push_back(fmt::format("{}: added a studio{}", why, ground ? " and a ground" : ""));
         }
     }

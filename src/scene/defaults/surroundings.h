@@ -19,6 +19,7 @@ struct SurroundingsOptions {
     float landscape_depth = 0.3f;    // at least this fraction of it is the shorter one
     float landscape_height = 0.6f;   // at most this fraction of it is the height
     float landscape_cover = 0.6f;    // at least this fraction of its rectangle shows a surface from above
+    float shut_off = 0.5f;           // of the surfaces in view, from which on one-sided shells are opened
     int lights = 16;                 // directional lights that approximate the studio where light maps need points
 };
 
