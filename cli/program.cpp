@@ -53,6 +53,8 @@ int run_subcommand(const CommandLine& line)
             return run_compare(line, output);
         case options::Subcommand::devices:
             return run_devices(line, output);
+        case options::Subcommand::serve:
+            return run_serve(line, output);
         case options::Subcommand::bench_trace:
             return run_bench_trace(line, output);
         case options::Subcommand::bench_culling:

@@ -14,6 +14,7 @@ int run_view(const CommandLine& line, Output& output);
 int run_info(const CommandLine& line, Output& output);
 int run_compare(const CommandLine& line, Output& output);
 int run_devices(const CommandLine& line, Output& output);
+int run_serve(const CommandLine& line, Output& output);
 int run_bench_trace(const CommandLine& line, Output& output);
 int run_bench_culling(const CommandLine& line, Output& output);
 int run_bench_all(const CommandLine& line, Output& output);

@@ -4,8 +4,8 @@
 
     check_layers.py [ROOT]
 
-Reads every #include "..." below ROOT's src, include, examples, bench, viewer and cli, and compares folder by folder
-with the table below.
+Reads every #include "..." below ROOT's src, include, examples, bench, viewer, python and cli, and compares folder by
+folder with the table below.
 Prints one line a fault, `file:line: what`; exit code 1 if there is any. Cost: one read of every source file.
 """
 import pathlib
@@ -53,8 +53,9 @@ k_may_include = {
 k_inside = k_frame | {"frame", "api", "video", "options"}
 k_may_include["bench"] = k_inside
 k_may_include["viewer"] = {"base", "io", "options"}
+k_may_include["python"] = set()
 k_may_include["cli"] = k_inside | {"bench", "viewer"}
-k_beside_src = ("bench", "viewer", "cli")
+k_beside_src = ("bench", "viewer", "python", "cli")
 
 # Sources that must make do with the public interface, the options, base, files that are written whole and their own
 # folder: what else they lack is missing from it. The benches look inside.

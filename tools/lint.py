@@ -22,7 +22,7 @@ k_root = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(k_root / "tools"))
 import check_text  # noqa: E402
 
-k_folders = ("src", "include", "cli", "viewer", "bench", "tests", "microbench", "examples")
+k_folders = ("src", "include", "cli", "viewer", "python", "bench", "tests", "microbench", "examples")
 k_include = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 # Words that codespell takes for misspelt: a level of detail, a misspelling that a test is about, a material statement,
 # GLSL, d-dimensional, radiometry, what stands still, a wooden box.

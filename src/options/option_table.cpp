@@ -23,6 +23,7 @@ constexpr SubcommandInfo k_subcommands[] = {
     {info, "info", "SCENE", 1, "print the contents of a scene", true},
     {compare, "compare", "A B", 2, "compare two images, of which the second is the reference", true},
     {devices, "devices", "", 0, "list the processor and the Vulkan devices with their features", true},
+    {serve, "serve", "", 0, "answer rendering requests of simulators by HTTP", true},
     {bench_trace, "bench trace", "SCENE", 1, "measure the overhead of a traced frame beyond its rays", true},
     {bench_culling, "bench culling", "SCENE", 1, "measure shadow culling", true},
     {bench_shadow_textures, "bench shadow-textures", "", 0, "measure shadow textures on Vulkan", true},
@@ -42,6 +43,7 @@ constexpr std::string_view k_shadows = "Shadows";
 constexpr std::string_view k_indirect = "Indirect light";
 constexpr std::string_view k_reference = "Reference";
 constexpr std::string_view k_comparison = "Comparison";
+constexpr std::string_view k_server = "Server";
 constexpr std::string_view k_common = "Everywhere";
 
 constexpr double k_many = 1e9;
@@ -359,6 +361,29 @@ constexpr Option k_options[] = {
      .group = k_comparison, .help = "exit with code 1 if a metric is above X (psnr, ssim: below X); may be repeated"},
     {.name = "heatmap", .argument = "OUT.png", .kind = Kind::text, .subcommands = bit(compare), .group = k_comparison,
      .help = "write the FLIP error map: black where images look the same, pale yellow where they differ most"},
+
+    {.name = "address", .argument = "HOST:PORT", .kind = Kind::text, .fallback = "127.0.0.1:8000", .subcommands = bit(serve),
+     .group = k_server,
+     .help = "where to answer; port 0: any that is free. Whoever reaches an address other than that of this machine's loopback "
+             "can use its processor"},
+    {.name = "max-upload", .argument = "MB", .kind = Kind::integer, .fallback = "256", .range = {1, 65536},
+     .subcommands = bit(serve), .group = k_server, .help = "largest request; a larger one is refused"},
+    {.name = "max-size", .argument = "WxH", .kind = Kind::size, .fallback = "4096x4096", .range = ranges::image_side,
+     .subcommands = bit(serve), .group = k_server, .help = "largest image"},
+    {.name = "request-time", .argument = "SECONDS", .kind = Kind::number, .fallback = "600", .range = ranges::time_limit,
+     .subcommands = bit(serve), .group = k_server, .help = "longest time of one request"},
+    {.name = "environment", .argument = "FILE", .kind = Kind::text, .fallback = "builtin:studio", .subcommands = bit(serve),
+     .group = k_server, .help = "environment map that lights scenes without lights, or builtin:studio"},
+    {.name = "samples", .argument = "N|auto", .kind = Kind::integer_or_auto, .fallback = "auto", .range = ranges::samples,
+     .subcommands = bit(serve), .group = k_server, .help = "samples per pixel of colours; auto: as of render"},
+    {.name = "exposure", .argument = "EV|auto", .kind = Kind::number_or_auto, .fallback = "0", .range = ranges::exposure,
+     .subcommands = bit(serve), .group = k_server, .help = "exposure of colours in stops. auto: from each image"},
+    {.name = "tonemap", .argument = "NAME", .kind = Kind::choice, .fallback = "neutral", .choices = k_choices<ToneMap>,
+     .subcommands = bit(serve), .group = k_server, .help = "tone mapping operator of colours"},
+    {.name = "indirect", .argument = "HOW", .kind = Kind::choice, .fallback = "visible", .choices = k_choices<Indirect>,
+     .subcommands = bit(serve), .group = k_server, .help = "method for the indirect light of colours, as of render"},
+    {.name = "memory", .argument = "MB", .kind = Kind::integer, .fallback = "0", .range = ranges::memory,
+     .subcommands = bit(serve), .group = k_server, .help = "memory that a renderer may hold, as of render; there are three"},
 
     {.name = "json", .argument = "FILE", .kind = Kind::optional_file, .subcommands = k_every, .group = k_common,
      .help = "write one JSON document to standard output and all other text to standard error; --json=FILE writes it to a file"},

@@ -19,6 +19,7 @@ enum class Subcommand : std::uint8_t {
     info,
     compare,
     devices,
+    serve,
     bench_trace,
     bench_culling,
     bench_shadow_textures,

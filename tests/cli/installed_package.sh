@@ -8,7 +8,7 @@ source=$1 build=$2
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 # What is installed must be built first; a build of the tests alone leaves it out.
-cmake --build "$build" --target gnomon gnomon_shared documents >/dev/null
+cmake --build "$build" --target gnomon gnomon_shared documents python >/dev/null
 cmake --install "$build" --prefix "$scratch/installed" >/dev/null
 cp -r "$source/examples" "$scratch/examples"
 cmake -G Ninja -S "$scratch/examples" -B "$scratch/build" -DCMAKE_PREFIX_PATH="$scratch/installed" \
@@ -53,6 +53,22 @@ if command -v pkg-config >/dev/null; then
     mv moved installed
 else
     echo "pkg-config is not installed: its part is skipped"
+fi
+# The Python package finds its library by a relative path, too.
+site=$(cd installed && echo lib/python3*/*-packages)
+if [[ -d installed/$site ]]; then
+    mv installed moved
+    python=$(sed -n 's/^_\?Python_EXECUTABLE:[A-Z]*=//p' "$build/CMakeCache.txt" | head -n 1)
+    PYTHONPATH=moved/$site PYTHONDONTWRITEBYTECODE=1 "$python" - <<'PYTHON'
+import gnomon
+assert gnomon.__file__.startswith(__import__("os").getcwd() + "/moved/"), gnomon.__file__
+with gnomon.Renderer(size=(512, 512)) as renderer:
+    renderer.render(gnomon.load("builtin:cornell")).write("by_python.png")
+PYTHON
+    cmp frame.png by_python.png
+    mv moved installed
+else
+    echo "the Python package was not built: its part is skipped"
 fi
 bash -n installed/share/bash-completion/completions/gnomon
 # The completion offers the program's options.

@@ -4,7 +4,8 @@
 # Debian 12 (in a chroot) with apt alone, renders there, and checks the list of what is linked.
 #
 # Needs root, debootstrap, dpkg-dev, git, and the package archive of this machine's apt configuration;
-# exits with 77 (skipped) otherwise. PACKAGE=FILE.deb takes a package that is built, and leaves out the builds.
+# exits with 77 (skipped) otherwise. PACKAGE=FILE.deb takes a package that is built, with
+# that of Python beside it, and leaves out the builds.
 set -euo pipefail
 source_folder=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 
@@ -47,6 +48,16 @@ in_namespace() {
         [[ -e $root/$file || -e $root/$file.gz ]] || fail "$file is missing"
     done
     [[ -n $(enter ldconfig -p | grep libgnomon.so.) ]] || fail "the dynamic linker does not know the library"
+
+    # The Python package renders the same image.
+    enter apt-get -qq install --no-install-recommends -o Dpkg::Use-Pty=0 /python3-gnomon.deb >"$root/log" 2>&1 ||
+        { tail -n 20 "$root/log"; fail "apt cannot install the Python package"; }
+    enter python3 -c 'import gnomon
+renderer = gnomon.Renderer(size=(160, 120), samples="auto")
+renderer.render(gnomon.load("builtin:cornell")).write("/by_python.png")' || fail "Python cannot render"
+    cmp "$root/image.png" "$root/by_python.png" || fail "Python renders another image"
+    enter apt-get -qq purge -o Dpkg::Use-Pty=0 python3-gnomon >"$root/log" 2>&1 || fail "apt cannot remove the Python package"
+    [[ ! -e $root/usr/lib/python3/dist-packages/gnomon ]] || fail "files of the Python package are left"
 
     # Every library that the program loads from another package belongs to a package in the list.
     python3 -B - "$root" <<'PYTHON' || fail "the list of what is linked"
@@ -95,6 +106,7 @@ trap 'exit 130' INT TERM
 
 if [[ -n ${PACKAGE:-} ]]; then
     cp "$PACKAGE" "$scratch/first.deb"
+    cp "$(dirname "$PACKAGE")"/python3-gnomon_*.deb "$scratch/first-python.deb"
 else
     # Build without a compiler cache, because it would compare the first build with itself.
     export CCACHE_DISABLE=1
@@ -106,9 +118,11 @@ else
         git -C "$source_folder" archive "$commit" | tar -x -C "$scratch/$build"
         (cd "$scratch/$build" && ./dev package >"$scratch/log" 2>&1) || { tail -n 20 "$scratch/log"; fail "./dev package"; }
         cp "$scratch/$build"/build/package/gnomon_*.deb "$scratch/$(basename "$build").deb"
+        cp "$scratch/$build"/build/package/python3-gnomon_*.deb "$scratch/$(basename "$build")-python.deb"
         sha256sum "$scratch/$(basename "$build").deb"
     done
     cmp "$scratch/first.deb" "$scratch/name.deb" || fail "two builds differ"
+    cmp "$scratch/first-python.deb" "$scratch/name-python.deb" || fail "two builds of the Python package differ"
     echo "package: two builds, the same bytes"
 fi
 
@@ -129,4 +143,5 @@ if [[ $mirror == https:* && -d /usr/local/share/ca-certificates ]]; then
     chroot "$root" update-ca-certificates >/dev/null
 fi
 cp "$scratch/first.deb" "$root/gnomon.deb"
+cp "$scratch/first-python.deb" "$root/python3-gnomon.deb"
 unshare --mount --propagation private "${BASH_SOURCE[0]}" --in-namespace "$root"

@@ -23,5 +23,6 @@ std::vector<Bytes> ply_seeds();
 std::vector<Bytes> stl_seeds();
 std::vector<Bytes> config_seeds();
 std::vector<Bytes> option_seeds();
+std::vector<Bytes> upload_seeds();
 
 }   // namespace gnomon::fuzz

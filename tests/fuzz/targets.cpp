@@ -15,6 +15,7 @@
 #include <string>
 
 #include "cli/command_line.h"
+#include "cli/serve/upload.h"
 #include "fuzz/decoders.h"
 #include "fuzz/repair.h"
 #include "fuzz/seeds.h"
@@ -288,6 +289,18 @@ std::string run_options(Input bytes)
     }
 }
 
+// What a simulator uploads.
+std::string run_upload(Input bytes)
+{
+    try {
+        cli::read_upload({bytes.begin(), bytes.end()});
+        return {};
+    } catch (const UsageError& error) {
+        check_message(error.what());
+        return error.what();
+    }
+}
+
 constexpr Target k_targets[] = {
     {"gltf", run_gltf, gltf_seeds, nullptr},
     {"glb", run_glb, glb_seeds, repair_glb},
@@ -306,6 +319,7 @@ constexpr Target k_targets[] = {
     {"stl", run_stl, stl_seeds, nullptr},
     {"config", run_config, config_seeds, nullptr},
     {"options", run_options, option_seeds, nullptr},
+    {"upload", run_upload, upload_seeds, nullptr},
 };
 
 }   // namespace

@@ -30,6 +30,7 @@ class CheckLayers(unittest.TestCase):
             ("viewer/a.cpp", "options/b.h"), ("viewer/a.cpp", "io/file/b.h"), ("viewer/a.cpp", "gnomon/b.h"),
             ("cli/output.cpp", "io/file/b.h"), ("cli/subcommand_bench_trace.cpp", "scene/b.h"),
             ("cli/subcommand_bench_trace.cpp", "bench/core/b.h"),
+            ("python/bindings/a.cpp", "gnomon/b.h"), ("python/bindings/a.cpp", "python/bindings/b.h"),
         ]:
             with self.subTest(name=name, included=included):
                 result = check({name: included})
@@ -37,6 +38,7 @@ class CheckLayers(unittest.TestCase):
 
     def test_forbidden(self):
         for name, included in [
+            ("python/bindings/a.cpp", "base/b.h"), ("python/bindings/a.cpp", "options/b.h"),
             ("src/base/a.cpp", "scene/b.h"), ("src/io/a.cpp", "ray/b.h"), ("src/ray/a.cpp", "io/b.h"),
             ("src/vk/a.cpp", "scene/b.h"), ("src/scene/a.cpp", "trace/b.h"), ("src/frame/a.cpp", "api/b.h"),
             ("src/ray/a.cpp", "ray/vulkan/b.h"), ("src/frame/a.cpp", "viewer/b.h"), ("bench/core/a.cpp", "cli/b.h"),
