@@ -182,7 +182,13 @@ struct Trace {
               bool behind)
     {
         if constexpr (any) {
-            if (block.judged_any[which] &&
+            const std::uint8_t judged = block.judged_any[which];
+            if ((judged & TriangleBlock::k_by_distance) != 0) {
+                // A ray that starts on a narrow triangle would hit it by rounding.
+                const float t = distance_of(rays, lane, block, which);
+                if (!(t > packet.tnear[lane] && t <= packet.t[lane])) return;
+            }
+            if ((judged & TriangleBlock::k_by_material) != 0 &&
                 !occludes(*instance, block.geometry[which], block.triangle[which], u, v, query, lane))
                 return;
             open &= ~(1u << lane);

@@ -225,6 +225,18 @@ Box3 box_of(const TriangleBlock& block, unsigned lane)
 
 }   // namespace
 
+// Whether the rounding of a triangle's normal may put its plane farther off, at its far end, than a fraction of the
+// height at which rays start.
+static bool is_narrow(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c)
+{
+    constexpr float k_narrow = 0.25f;   // some four times the rounding of a product, over ray::k_lift_per_coordinate
+    float largest = 0;
+    for (const glm::vec3* p : {&a, &b, &c})
+        largest = std::max({largest, std::abs(p->x), std::abs(p->y), std::abs(p->z)});
+    const float longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
+    return glm::length(glm::cross(b - a, c - a)) * largest < k_narrow * longest * longest * longest;
+}
+
 void TriangleTree::fill(TriangleBlock& block, unsigned lane, std::uint32_t geometry, std::uint32_t triangle) const
 {
     const GeometryRecord& r = (*records_)[geometry];
@@ -234,7 +246,9 @@ void TriangleTree::fill(TriangleBlock& block, unsigned lane, std::uint32_t geome
     block.geometry[lane] = geometry, block.triangle[lane] = triangle;
     block.mask[lane] = static_cast<std::uint8_t>(r.mask);
     block.judged_closest[lane] = r.one_sided || r.masked;
-    block.judged_any[lane] = r.masked || r.thins;
+    block.judged_any[lane] = r.masked || r.thins ? TriangleBlock::k_by_material : 0;
+    if (is_narrow(r.vertices->positions[index[0]], r.vertices->positions[index[1]], r.vertices->positions[index[2]]))
+        block.judged_any[lane] |= TriangleBlock::k_by_distance;
 }
 
 void TriangleTree::build(const std::deque<GeometryRecord>& records)

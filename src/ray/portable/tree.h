@@ -47,9 +47,12 @@ struct alignas(64) TreeNode {
 struct alignas(64) TriangleBlock {
     float corner[3][3][4];   // by corner and axis
     std::uint32_t geometry[4], triangle[4];
-    std::uint8_t mask[4];   // rays that meet it (embree.h); 0 where there is no triangle
-    /// Whether hits must be judged by the material: of closest-hit rays, of all others.
-    std::uint8_t judged_closest[4], judged_any[4];
+    std::uint8_t mask[4];             // rays that meet it (embree.h); 0 where there is no triangle
+    std::uint8_t judged_closest[4];   // whether hits of closest-hit rays must be judged by the material
+    /// What hits of other rays must be judged by: the material; their distance in double precision, because the
+    /// triangle is narrow.
+    std::uint8_t judged_any[4];
+    static constexpr std::uint8_t k_by_material = 1, k_by_distance = 2;
 };
 
 /// Something to build a tree over.
