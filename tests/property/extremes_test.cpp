@@ -89,6 +89,7 @@ TEST_P(Extremes, CertifiedCullingIsExactAndLayersAreFinite)
     const Scene scene = this->scene();
     ASSERT_EQ(scene.frame_count(), k_frames);
     RenderOptions options;
+    options.keep_image = false;
     const std::vector<Frame> remembered = frames_of(scene, options);
     options.shadow_culling = ShadowCulling::off;
     const std::vector<Frame> traced = frames_of(scene, options);
