@@ -38,7 +38,7 @@ class EnvironmentTechnique {
     /// @param sun  in EnvironmentLight::suns(); -1: of the image
     environment_light::PointMemory& memory(std::size_t tile, int sun = -1)
     {
-        return memories_[tile][static_cast<std::size_t>(sun + 1)];
+        return memories_[tile][static_cast<std::size_t>(sun) + 1];
     }
     /// Every direction of a sun is traced from every point, and reflected by itself: the reference.
     bool every_ray() const { return every_ray_; }

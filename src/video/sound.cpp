@@ -32,7 +32,7 @@ std::string sound_codec_of(const std::filesystem::path& file, const Progress& pr
     }
     const int status = ffprobe->wait([&] { return !progress || progress({"encoding", 0}); });
     const std::string answer = ffprobe->output();
-    const std::string codec = answer.substr(0, answer.find('\n'));
+    std::string codec = answer.substr(0, answer.find('\n'));
     const bool sound =
         !codec.empty() && codec != "unknown" &&
         std::all_of(codec.begin(), codec.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });

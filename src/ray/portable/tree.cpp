@@ -341,7 +341,8 @@ void SceneTree::add(const TriangleTree& tree, unsigned id, scene::ObjectId objec
     const glm::dmat4 inverse = glm::inverse(glm::dmat4(to_world));
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 3; ++row)
-            instance.to_object[static_cast<std::size_t>(3 * column + row)] = static_cast<float>(inverse[column][row]);
+            instance.to_object[3 * static_cast<std::size_t>(column) + static_cast<std::size_t>(row)] =
+                static_cast<float>(inverse[column][row]);
     Box3 box;
     const Box3& own = tree.box();
     for (int corner = 0; corner < 8; ++corner)
