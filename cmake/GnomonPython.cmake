@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Adds the Python package, and the target `python` that builds it, where pybind11, the headers of Python and numpy are found; says so where they are not.
+# Adds the Python package, and the target `python` that builds it, where pybind11, the headers of Python and numpy are
+# found; says so where they are not.
 #
 # The interpreter is the system's, whose packages those are, if there is one; Python_EXECUTABLE selects another.
 add_custom_target(python)

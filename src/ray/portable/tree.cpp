@@ -229,7 +229,7 @@ Box3 box_of(const TriangleBlock& block, unsigned lane)
 // height at which rays start.
 static bool is_narrow(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c)
 {
-    constexpr float k_narrow = 0.25f;   // some four times the rounding of a product, over ray::k_lift_per_coordinate
+    constexpr float k_narrow = 0.25f;   // four units of rounding (2^-23) over ray::k_lift_per_coordinate
     float largest = 0;
     for (const glm::vec3* p : {&a, &b, &c})
         largest = std::max({largest, std::abs(p->x), std::abs(p->y), std::abs(p->z)});
