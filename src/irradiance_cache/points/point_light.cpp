@@ -109,14 +109,14 @@ void StaticVisibility::add_close_nodes(const CacheFrame& frame, Added& added) co
         // Irradiance that a unit of flux brings; times area, it is the form factor.
         const float weight = seen_weight(seen) * glm::dot(to, point.normal) / distance;
         const float light = weight * luminance(frame.lights.static_flux().at(node));
-        if (distance < reach)
+        if (node >= frame.lights.first_patch() && distance < reach)
             added.close += {light, weight * frame.lights.quad(node / 4).area[node % 4], 0};
         else
             added.close.farther += light;
     }
 }
 
-// Finds lattice points whose light is local: much of it comes from a surface that is close by, small and far brighter
+// Finds lattice points whose light is local: much of it comes from patches that are close by, small and far brighter
 // than all that is farther, such as the sliver of ceiling above a luminous plate that is seen past the plate's edge. A
 // spacing away there is nothing of it. At the foot of a wall that is lit like its surroundings, close light is as much,
 // but that of other parts of the wall takes its place.
