@@ -316,7 +316,7 @@ MUTATIONS = (
         "src/reference/reference_paths.cpp", "per_area * distance * distance / cosine : k_infinity;",
         "per_area * distance * distance : k_infinity;", "property:Reference.*"),
     row("roulette-unweighted", "reference", "paths that survive Russian roulette keep their weight",
-        "src/reference/reference_paths.cpp", "path.weight /= survival;", "", "property:Reference.*"),
+        "src/reference/reference_paths.cpp", "path.weight /= chance;", "", "property:Reference.*"),
     row("triangle-sampling", "reference", "places on an emissive triangle are not uniform",
         "src/reference/emitter_sampler.cpp", "const float root = std::sqrt(v);", "const float root = v;",
         "property:Reference.*"),

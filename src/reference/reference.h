@@ -25,14 +25,15 @@
 // `shining`, emissive surfaces emit light, whatever other lights there are, in place of the lights that approximate
 // them (scene/defaults/emissive_lights.h), and are sampled in the same two ways. Otherwise lights alone do.
 //
-// The result is the same for any number of threads: a point's random numbers depend on the seed and its key alone.
+// All decisions of a path are points of scrambled low-discrepancy sequences (sample_pattern.h); paths of low throughput end
+// at random from the second bounce on. The result is the same for any number of threads: a point's random numbers depend
+// on the seed and its key alone.
 // Cost: a sample is one ray and at most one shadow ray per bounce, in packets.
 
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "base/random.h"
 #include "base/tasks.h"
 #include "gnomon/types.h"
 #include "ray/ray_scene.h"
@@ -138,13 +139,14 @@ class ReferencePaths {
  private:
     // A path and its last surface.
     struct Path {
-        Random random;
+        PathNumbers numbers;
         glm::vec3 position, origin;   // the surface point; the origin of rays from it
         glm::vec3 geometric_normal, normal;
         glm::vec3 smooth_normal, smooth_origin;   // of the smooth horizon, and of rays between it and the triangle's
         glm::vec3 weight;                         // throughput: irradiance at the path's start per irradiance here
         glm::vec3 direction;                      // of its next ray
         glm::vec3 indirect, surroundings;
+        std::uint32_t passes = 0;                        // surfaces that thin light that it met
         bool aff = false;                                // the surface counts irradiance as AFF does
         const shading::SurfacePoint* glossy = nullptr;   // of a path that starts at a lobe, and ends with its first ray
 
@@ -166,8 +168,8 @@ class ReferencePaths {
     static void gain(Path& path, int bounce, const glm::vec3& irradiance);
     static float own_density(const Path& path, const glm::vec3& direction);
     static glm::vec3 response(const Path& path, const glm::vec3& direction);
-    void ask_lights();
-    void choose_directions();
+    void ask_lights(int bounce);
+    void choose_directions(int bounce);
     void trace_shadows(bool to_surroundings);
     /// What surfaces along the rays let through, in passed_.
     void let_through(const ray::RayQueue& rays);

@@ -20,12 +20,22 @@ constexpr int k_least_batch = 4;   // samples; for fewer, every sample is a batc
 constexpr std::size_t k_paths_at_once = 2048;
 
 // Paths of low throughput end at random from this bounce on; the weight of those that continue compensates.
-constexpr int k_first_roulette = 4;
+constexpr int k_first_roulette = 2;
 constexpr float k_least_survival = 0.1f;
 
 // A ray passes at most this many surfaces that do not block light; then it is lost.
 constexpr int k_most_passes = 64;
 constexpr float k_least_cosine = 1e-2f;   // least cosine taken for a ray that passes them
+
+// What a path decides at each of its surfaces; the number of a decision is unique along the path.
+enum Decision : std::uint32_t { environment, emitter, place_on_emitter, light, sun, direction, survival, decisions };
+
+std::uint32_t decision_at(int bounce, Decision what)
+{
+    return static_cast<std::uint32_t>(bounce) * decisions + what;
+}
+
+constexpr std::uint32_t k_passing = 1u << 30;   // decisions of a path at surfaces that thin light
 
 constexpr auto k_float_pi = static_cast<float>(k_pi);
 
@@ -119,12 +129,13 @@ void ReferencePaths::estimate(std::span<const Request> requests, IrradianceEstim
     };
     for (std::size_t r = 0; r < requests.size(); ++r) {
         GNOMON_CHECK(requests[r].samples >= 1);
-        int sample = 0;
-        for (int b = 0; b < sums[r].batches(); ++b)
+        for (int b = 0; b < sums[r].batches(); ++b) {
+            int sample = 0;
             for (const auto& [u, v] : pattern_.points(sums[r].batch_size(b))) {
                 push_first(requests[r], b, u, v, sample++);
                 if (paths_.size() == k_paths_at_once) flush();
             }
+        }
     }
     flush();
     for (std::size_t r = 0; r < requests.size(); ++r) out[r] = sums[r].estimate();
@@ -135,7 +146,7 @@ void ReferencePaths::push_first(const Request& request, int batch, std::uint32_t
     const IrradiancePoint& point = request.point;
     const std::uint64_t stream = mix(light_.options_.seed, point.key);
     const std::uint64_t flip = mix(stream, static_cast<std::uint64_t>(batch));
-    Path& path = paths_.emplace_back(Path{Random(mix(flip, static_cast<std::uint64_t>(sample))), point.position,
+    Path& path = paths_.emplace_back(Path{PathNumbers(flip, static_cast<std::uint32_t>(sample)), point.position,
                                           point.position + point.offset * point.geometric_normal,
                                           point.geometric_normal, point.normal, point.smooth_normal,
                                           point.smooth_origin, glm::vec3(1), glm::vec3(0), glm::vec3(0), glm::vec3(0)});
@@ -178,15 +189,15 @@ void ReferencePaths::run_paths()
         ask_environment(bounce);
         ask_emitters(bounce);
         if (!trace_on(bounce)) return;
-        ask_lights();
-        choose_directions();
+        ask_lights(bounce);
+        choose_directions(bounce);
         if (bounce + 1 < k_first_roulette) continue;
         std::erase_if(standing_, [&](std::uint32_t i) {
             Path& path = paths_[i];
             const float most = std::max({path.weight.x, path.weight.y, path.weight.z});
-            const float survival = std::clamp(most, k_least_survival, 1.0f);
-            if (survival < 1 && path.random.uniform() >= survival) return true;
-            path.weight /= survival;
+            const float chance = std::clamp(most, k_least_survival, 1.0f);
+            if (chance < 1 && path.numbers.one(decision_at(bounce, survival)) >= chance) return true;
+            path.weight /= chance;
             return false;
         });
     }
@@ -199,9 +210,9 @@ void ReferencePaths::ask_environment(int bounce)
     shadow_rays_.clear(), shadow_path_.clear(), shadow_gain_.clear();
     for (const std::uint32_t i : standing_) {
         Path& path = paths_[i];
-        const float u = path.random.uniform(), v = path.random.uniform();
+        const glm::vec2 at = path.numbers.pair(decision_at(bounce, environment));
         float density;
-        const glm::vec3 direction = light_.environment_->sample(u, v, density);
+        const glm::vec3 direction = light_.environment_->sample(at.x, at.y, density);
         const float cosine = glm::dot(direction, path.normal);
         if (cosine <= 0 || !path.is_above(direction) || !(density > 0)) continue;
         shadow_rays_.push(path.origin_to(direction), 0, direction, k_infinity);
@@ -219,8 +230,8 @@ void ReferencePaths::ask_emitters(int bounce)
     rays_.clear(), ray_path_.clear(), emitter_points_.clear();
     for (const std::uint32_t i : standing_) {
         Path& path = paths_[i];
-        const float u = path.random.uniform(), v = path.random.uniform(), w = path.random.uniform();
-        const EmitterPoint point = light_.emitters_->sample(u, v, w);
+        const glm::vec2 at = path.numbers.pair(decision_at(bounce, place_on_emitter));
+        const EmitterPoint point = light_.emitters_->sample(path.numbers.one(decision_at(bounce, emitter)), at.x, at.y);
         const glm::vec3& origin = path.origin_to(point.position - path.position);
         const glm::vec3 to_point = point.position - origin;
         const float distance = glm::length(to_point);
@@ -353,7 +364,7 @@ void ReferencePaths::pass_transparent()
         const glm::vec3 passes = ray::let_through(scene, mesh, material, hits_.triangle[r], hits_.u[r], hits_.v[r]);
         const float chance = std::max({passes.x, passes.y, passes.z});
         Path& path = paths_[ray_path_[r]];
-        if (!(path.random.uniform() < chance)) return true;
+        if (!(path.numbers.one(k_passing + path.passes++) < chance)) return true;
         passed_[r] *= passes / chance;
         return false;
     };
@@ -404,7 +415,7 @@ const scene::Material& ReferencePaths::material_of(std::size_t r) const
 }
 
 // Samples one light from the surface of each path.
-void ReferencePaths::ask_lights()
+void ReferencePaths::ask_lights(int bounce)
 {
     if (light_.lights_.empty()) return;
     const scene::Scene& scene = light_.state_.scene();
@@ -427,7 +438,7 @@ void ReferencePaths::ask_lights()
         // Choose one in proportion to it.
         std::size_t chosen = 0;
         if (light_.lights_.size() > 1) {
-            float left = path.random.uniform() * sum;
+            float left = path.numbers.one(decision_at(bounce, light)) * sum;
             for (std::size_t k = 0; k < light_.lights_.size(); ++k) {
                 if (light_chance_[k] > 0) chosen = k;
                 if ((left -= light_chance_[k]) < 0) break;
@@ -444,7 +455,8 @@ void ReferencePaths::ask_lights()
             glm::vec3 across, up;
             make_basis(way, across, up);
             const float reach = static_cast<float>(std::tan(0.5 * light_.options_.sun_diameter));
-            const float r = reach * std::sqrt(path.random.uniform()), turn = 2 * k_float_pi * path.random.uniform();
+            const glm::vec2 on_disc = path.numbers.pair(decision_at(bounce, sun));
+            const float r = reach * std::sqrt(on_disc.x), turn = 2 * k_float_pi * on_disc.y;
             way = glm::normalize(way + r * std::cos(turn) * across + r * std::sin(turn) * up);
             if (!path.is_above(way) || glm::dot(way, path.normal) <= 0) continue;
         }
@@ -481,12 +493,12 @@ void ReferencePaths::let_through(const ray::RayQueue& rays)
     light_.rays_.let_through(rays, 0, rays.size(), passed_.data());
 }
 
-void ReferencePaths::choose_directions()
+void ReferencePaths::choose_directions(int bounce)
 {
     for (const std::uint32_t i : standing_) {
         Path& path = paths_[i];
-        const float u = path.random.uniform(), v = path.random.uniform();
-        path.direction = cosine_direction(path.normal, u, v);
+        const glm::vec2 at = path.numbers.pair(decision_at(bounce, direction));
+        path.direction = cosine_direction(path.normal, at.x, at.y);
     }
 }
 

@@ -19,6 +19,45 @@ const std::vector<SamplePattern::Point>& SamplePattern::points(int count)
     return points;
 }
 
+namespace {
+
+// Scrambles the bits of a fraction, each by those above it [Laine and Karras 2011, Section 3.3]; with the bits in
+// reverse.
+std::uint32_t scramble_reversed(std::uint32_t x, std::uint32_t seed)
+{
+    x += seed;
+    x ^= x * 0x6c50b47cu;
+    x ^= x * 0xb82f1e52u;
+    x ^= x * 0xc7afe638u;
+    x ^= x * 0x8d22f6e6u;
+    return x;
+}
+
+}   // namespace
+
+std::uint32_t PathNumbers::shuffled(std::uint64_t seed) const
+{
+    return reversed_bits(scramble_reversed(reversed_bits(index_), static_cast<std::uint32_t>(seed)));
+}
+
+glm::vec2 PathNumbers::pair(std::uint32_t decision) const
+{
+    const std::uint64_t seed = mix(seed_, decision);
+    const auto low = static_cast<std::uint32_t>(seed), high = static_cast<std::uint32_t>(seed >> 32);
+    // Shuffle the sequence, so that decisions are independent of each other.
+    const std::uint32_t index = shuffled(seed);
+    const std::uint32_t u = scramble_reversed(index, high);
+    const std::uint32_t v =
+        scramble_reversed(reversed_bits(second_dimension(index)), (low ^ 0x85ebca6bu) * 0xc2b2ae35u + high);
+    return {unit_fraction(reversed_bits(u)), unit_fraction(reversed_bits(v))};
+}
+
+float PathNumbers::one(std::uint32_t decision) const
+{
+    const std::uint64_t seed = mix(seed_, decision);
+    return unit_fraction(reversed_bits(scramble_reversed(shuffled(seed), static_cast<std::uint32_t>(seed >> 32))));
+}
+
 glm::vec3 cosine_direction(const glm::vec3& n, float u, float v)
 {
     // Fold the square onto the disk, ring by ring.

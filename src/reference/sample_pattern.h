@@ -29,6 +29,25 @@ class SamplePattern {
     std::map<int, std::vector<Point>> kept_;
 };
 
+/// The random numbers of one path. Each decision has a point of its own sequence: the (0, 2)-sequence with Owen's
+/// scrambling [1998] by hashes of the decision [Burley 2020, "Practical Hash-based Owen Scrambling", Listing 4; the
+/// hash is Laine and Karras's, 2011]. Over the paths of a batch, every decision is spread over the square as evenly as
+/// the first.
+class PathNumbers {
+ public:
+    /// @param seed   of the batch
+    /// @param index  of the path in its batch
+    PathNumbers(std::uint64_t seed, std::uint32_t index) : seed_(seed), index_(index) {}
+    /// Two numbers in [0, 1), those of a decision.
+    glm::vec2 pair(std::uint32_t decision) const;
+    float one(std::uint32_t decision) const;
+
+ private:
+    std::uint32_t shuffled(std::uint64_t seed) const;
+    std::uint64_t seed_;
+    std::uint32_t index_;
+};
+
 /// Returns a fraction in [0, 1) from random bits.
 inline float unit_fraction(std::uint32_t bits)
 {
