@@ -29,6 +29,12 @@ inline bool has(std::span<const std::uint64_t> mask, std::size_t leaf)
     return (mask[leaf / 64] >> (leaf % 64) & 1) != 0;
 }
 
+inline void set(std::span<std::uint64_t> mask, std::size_t leaf, bool value)
+{
+    const std::uint64_t bit = std::uint64_t{1} << (leaf % 64);
+    mask[leaf / 64] = value ? mask[leaf / 64] | bit : mask[leaf / 64] & ~bit;
+}
+
 // Calls body(word, bits) for the words of a mask with some leaves in a row.
 template <class Body>
 void for_each_word(std::size_t first, std::size_t count, const Body& body)
