@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What the two files of CellVisibility (cell_visibility.cpp, cell_parts.cpp) share.
+// What the files of CellVisibility (cell_visibility.cpp, cell_parts.cpp, cell_stand_ins.cpp) share.
 
 #include <algorithm>
 #include <bit>

@@ -122,10 +122,10 @@ TEST(GltfRepairs, ASceneWithoutMeshesIsReplacedByOneThatHasSome)
 {
     Document d;
     const int p = d.positions(k_triangle);
-    const std::string rest = fmt::format(
-        R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":{}}}}}]}}],"nodes":[{{"mesh":0}},{{}}],)"
-        R"("scenes":[{{"nodes":[1]}},{{"nodes":[0]}}],"scene":0)",
-        p);
+    const std::string rest =
+        fmt::format(R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":{}}}}}]}}],"nodes":[{{"mesh":0}},{{}}],)"
+                    R"("scenes":[{{"nodes":[1]}},{{"nodes":[0]}}],"scene":0)",
+                    p);
     EXPECT_EQ(d.load(rest, "", {.strict = true}).objects.size(), 0u) << "as the file says";
     const scene::Scene s = d.load(rest);
     EXPECT_EQ(s.objects.size(), 1u);
