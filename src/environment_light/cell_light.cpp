@@ -273,7 +273,7 @@ glm::vec3 CellLight::blurred(const glm::vec3& direction, float roughness) const
 }
 
 glm::vec3 CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> seen,
-                             std::span<const PartialCell> partial) const
+                             std::span<const PartialCell> partial, float* share_seen) const
 {
     const float roughness = std::max(lobe.roughness, options_.least_roughness);
     const float alpha = roughness * roughness, a2 = alpha * alpha;
@@ -305,6 +305,10 @@ glm::vec3 CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> se
     const float by_cells =
         std::clamp((lobe.roughness - options_.by_tables) / (options_.by_cells - options_.by_tables), 0.0f, 1.0f);
     if (by_cells < 1) mean = glm::mix(blurred(lobe.mirrored, lobe.roughness), mean, by_cells);
+    if (share_seen) {
+        const float all = luminance(mean);
+        *share_seen = all > 0 ? luminance(mean * share) / all : 0;
+    }
     return mean * share;
 }
 

@@ -82,8 +82,9 @@ class CellLight {
     /// sky's radiance.
     /// @param seen     a bit for each leaf
     /// @param partial  cells of which a share is visible, whatever their bit
-    glm::vec3 seen_by(const Lobe& lobe, std::span<const std::uint64_t> seen,
-                      std::span<const PartialCell> partial = {}) const;
+    /// @param share_seen  out: how much of the light of all of the lobe that is, by luminance
+    glm::vec3 seen_by(const Lobe& lobe, std::span<const std::uint64_t> seen, std::span<const PartialCell> partial = {},
+                      float* share_seen = nullptr) const;
     std::size_t bytes() const;
 
  private:

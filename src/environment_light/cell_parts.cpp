@@ -22,6 +22,8 @@ constexpr float k_dark = 1 / 16.0f;
 constexpr std::ptrdiff_t k_small_window = 3;
 // Shares at guides are interpolated if what the cell brings differs by at most this fraction of the visible light.
 constexpr float k_alike = 1 / 32.0f;
+// Cells on which guides disagree are interpolated if what they bring together differs by at most this fraction.
+constexpr float k_interpolated = 1 / 16.0f;
 constexpr int k_rounds = 3;
 
 // @param light  of the cell
@@ -200,6 +202,33 @@ void CellVisibility::divide_alone(const Query& query, std::size_t k) const
     }
 }
 
+// The share that a point sees of a cell.
+float CellVisibility::share_at(const Query& query, std::size_t k, std::size_t leaf)
+{
+    const std::span<const PartialCell> partial = query.seen.partial_of(k);
+    const auto at = std::ranges::lower_bound(partial, static_cast<std::uint32_t>(leaf), {}, &PartialCell::leaf);
+    if (at != partial.end() && at->leaf == leaf) return at->share;
+    return has(query.seen.of(k), leaf) ? 1.0f : 0.0f;
+}
+
+// Whether the guides of a point get nearly as much light as each other from the cells on which they disagree.
+bool CellVisibility::guides_are_alike(const Query& query, std::size_t k, std::span<const std::uint64_t> leaves) const
+{
+    if (cells_.families().empty()) return false;
+    const Guides& guides = query.guides[k];
+    const glm::vec3& normal = query.point(k).normal;
+    std::array<float, 4> light{};
+    for_each_bit(leaves, [&](std::size_t leaf) {
+        const float brings = light_of(leaf, normal);
+        for (std::size_t i = 0; i < light.size(); ++i)
+            if (has(query.seen.of(guides.corner[i]), leaf)) light[i] += brings;
+    });
+    float unit = 0;
+    for (std::size_t i = 0; i < light.size(); ++i) unit += guides.weight[i] * query.scratch.unit[guides.corner[i]];
+    const auto [least, most] = std::ranges::minmax(light);
+    return most - least <= k_interpolated * unit;
+}
+
 // Interpolates the shares of cells at guides that are alike, and asks for the others.
 void CellVisibility::divide_guided(const Query& query, std::size_t k) const
 {
@@ -215,6 +244,8 @@ void CellVisibility::divide_guided(const Query& query, std::size_t k) const
             for (const PartialCell& cell : query.seen.partial_of(guides.corner[i])) leaves.push_back(cell.leaf);
     }
     scratch.unit[k] = unit;
+    const auto interpolated = query.of(scratch.between, k);
+    for_each_bit(interpolated, [&](std::size_t leaf) { leaves.push_back(static_cast<std::uint32_t>(leaf)); });
     if (leaves.empty()) return;
     std::ranges::sort(leaves);
     leaves.erase(std::unique(leaves.begin(), leaves.end()), leaves.end());
@@ -223,17 +254,13 @@ void CellVisibility::divide_guided(const Query& query, std::size_t k) const
         if (!has(above, leaf)) continue;
         float least = 1, most = 0, between = 0;
         for (std::size_t i = 0; i < guides.corner.size(); ++i) {
-            const std::uint32_t corner = guides.corner[i];
-            const std::span<const PartialCell> partial = query.seen.partial_of(corner);
-            const auto at = std::ranges::lower_bound(partial, leaf, {}, &PartialCell::leaf);
-            const float share = at != partial.end() && at->leaf == leaf ? at->share
-                                : has(query.seen.of(corner), leaf)      ? 1.0f
-                                                                        : 0.0f;
+            const float share = share_at(query, guides.corner[i], leaf);
             least = std::min(least, share), most = std::max(most, share);
             between += guides.weight[i] * share;
         }
         const float brings = light_of(leaf, normal);
-        if (brings * (most - least) <= k_alike * unit) {
+        if (has(interpolated, leaf) || brings * (most - least) <= k_alike * unit) {
+            if (has(interpolated, leaf)) set(query.seen.of(k), leaf, between >= 0.5f);
             Scratch::Divided& divided = scratch.divided.emplace_back();
             divided.asked = static_cast<std::uint32_t>(k), divided.leaf = leaf;
             divided.share = std::clamp(between, 0.0f, 1.0f);

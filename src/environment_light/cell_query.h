@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What the two files of CellVisibility (cell_visibility.cpp, cell_parts.cpp) share.
+// What the files of CellVisibility (cell_visibility.cpp, cell_parts.cpp, cell_stand_ins.cpp) share.
 
 #include <algorithm>
 #include <bit>
@@ -27,6 +27,12 @@ void for_each_bit(std::span<const std::uint64_t> mask, const Body& body)
 inline bool has(std::span<const std::uint64_t> mask, std::size_t leaf)
 {
     return (mask[leaf / 64] >> (leaf % 64) & 1) != 0;
+}
+
+inline void set(std::span<std::uint64_t> mask, std::size_t leaf, bool value)
+{
+    const std::uint64_t bit = std::uint64_t{1} << (leaf % 64);
+    mask[leaf / 64] = value ? mask[leaf / 64] | bit : mask[leaf / 64] & ~bit;
 }
 
 // Calls body(word, bits) for the words of a mask with some leaves in a row.

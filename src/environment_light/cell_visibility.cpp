@@ -120,7 +120,7 @@ void CellVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points,
 {
     seen.words = cells_.words();
     const std::size_t all = asked.size() * seen.words;
-    for (auto* masks : {&seen.masks, &scratch.above, &scratch.known, &scratch.free, &scratch.wanted})
+    for (auto* masks : {&seen.masks, &scratch.above, &scratch.known, &scratch.free, &scratch.wanted, &scratch.between})
         masks->assign(all, 0);
     scratch.queue.purpose = scratch.part_queue.purpose = ray::RayClass::shadow;
     seen.partial.clear();
@@ -268,21 +268,6 @@ void CellVisibility::decide(const Query& query, int pass) const
     decide_wanted(query, pass);
 }
 
-// Takes each cell to be as the one that stands in for it, and wants it where that lies below the surface.
-void CellVisibility::follow_stand_ins(const Query& query, std::size_t k) const
-{
-    const auto above = query.of(query.scratch.above, k), wanted = query.of(query.scratch.wanted, k);
-    const auto mask = query.seen.of(k);
-    for_each_bit(above, [&](std::size_t leaf) {
-        const std::size_t stand_in = cells_.stand_in_of(leaf);
-        const std::uint64_t bit = std::uint64_t{1} << (leaf % 64);
-        if (!has(above, stand_in))
-            wanted[leaf / 64] |= bit;
-        else
-            mask[leaf / 64] = has(mask, stand_in) ? mask[leaf / 64] | bit : mask[leaf / 64] & ~bit;
-    });
-}
-
 // Takes the followers of a group to be as its scouts if these agree, else wants them.
 void CellVisibility::follow_groups(const Query& query, std::size_t k) const
 {
@@ -352,16 +337,21 @@ void CellVisibility::decide_guided(const Query& query, int pass) const
                    agreed = query.of(scratch.agreed, k);
         const auto mask = query.seen.of(k);
         const std::uint64_t* probes = probes_.data() + guide.number * 5 % k_probe_step * words;
+        const auto between = query.of(scratch.between, k);
         for (std::size_t w = 0; w < words; ++w) {
-            std::uint64_t all_see = ~std::uint64_t{0}, none_sees = ~std::uint64_t{0};
+            std::uint64_t all_see = ~std::uint64_t{0}, none_sees = ~std::uint64_t{0}, above_all = ~std::uint64_t{0};
             for (const std::uint32_t c : guide.corner) {
-                const std::uint64_t sees = query.seen.of(c)[w];
-                all_see &= sees, none_sees &= ~sees & scratch.above[c * words + w];
+                const std::uint64_t sees = query.seen.of(c)[w], above_guide = scratch.above[c * words + w];
+                all_see &= sees, none_sees &= ~sees & above_guide, above_all &= above_guide;
             }
             agreed[w] = above[w] & (all_see | none_sees);
             mask[w] = agreed[w] & all_see;
             wanted[w] = above[w] & (~agreed[w] | probes[w]);
+            between[w] = above[w] & above_all & ~agreed[w];
         }
+        // Where guides see nearly as much light in the cells on which they disagree, interpolate these.
+        if (!guides_are_alike(query, k, between)) std::ranges::fill(between, 0);
+        for (std::size_t w = 0; w < words; ++w) wanted[w] &= ~between[w];
     }
     decide(query, pass);
     // Where a probe found otherwise, decide the cell at all points of the block, and those around it at the point.
@@ -382,7 +372,11 @@ void CellVisibility::decide_guided(const Query& query, int pass) const
         if (query.pass(k) != pass) continue;
         const auto above = query.of(scratch.above, k), wanted = query.of(scratch.wanted, k);
         const std::uint64_t* contested = scratch.contested.data() + query.guides[k].block * words;
-        for (std::size_t w = 0; w < words; ++w) wanted[w] = above[w] & (wanted[w] | contested[w]);
+        const auto between = query.of(scratch.between, k);
+        for (std::size_t w = 0; w < words; ++w) {
+            wanted[w] = above[w] & (wanted[w] | contested[w]);
+            between[w] &= ~wanted[w];
+        }
     }
     decide(query, pass);
 }
@@ -536,27 +530,6 @@ void CellVisibility::cover(Scratch& scratch, const glm::vec3& from, float from_r
         else
             for (std::uint32_t q = 0; q < node.count; ++q) scratch.stack.push_back(node.children + q);
     }
-}
-
-// Leaves of the wanted cells those that stand in for others, and those whose stand-in lies below the surface.
-void CellVisibility::leave_stand_ins(const Query& query, std::size_t k) const
-{
-    const auto above = query.of(query.scratch.above, k), wanted = query.of(query.scratch.wanted, k);
-    for_each_bit(wanted, [&](std::size_t leaf) {
-        const std::size_t stand_in = cells_.stand_in_of(leaf);
-        if (stand_in != leaf && has(above, stand_in)) wanted[leaf / 64] &= ~(std::uint64_t{1} << (leaf % 64));
-    });
-}
-
-// Takes away the cells whose stand-ins were found hidden.
-void CellVisibility::follow_hidden(const Query& query, std::size_t k) const
-{
-    const auto above = query.of(query.scratch.above, k);
-    const auto mask = query.seen.of(k);
-    for_each_bit(mask, [&](std::size_t leaf) {
-        const std::size_t stand_in = cells_.stand_in_of(leaf);
-        if (has(above, stand_in) && !has(mask, stand_in)) mask[leaf / 64] &= ~(std::uint64_t{1} << (leaf % 64));
-    });
 }
 
 // Takes away what dynamic objects hide from points of static ones.

@@ -135,6 +135,7 @@ class CellVisibility {
         std::vector<std::uint64_t> above;               // cells above the surface
         std::vector<std::uint64_t> known, free;         // of these, proven, remembered or traced; of these, visible
         std::vector<std::uint64_t> wanted;              // to be decided next
+        std::vector<std::uint64_t> between;             // to be interpolated between guides
         std::vector<std::uint64_t> following;           // wanted followers of scouts
         std::vector<std::uint64_t> agreed, contested;   // by guided point; by block
         std::vector<std::uint64_t> affected;            // cells that a dynamic object may cover
@@ -204,6 +205,8 @@ class CellVisibility {
     void look_for_windows(const Query& query) const;
     void divide_alone(const Query& query, std::size_t k) const;
     void divide_guided(const Query& query, std::size_t k) const;
+    static float share_at(const Query& query, std::size_t k, std::size_t leaf);
+    bool guides_are_alike(const Query& query, std::size_t k, std::span<const std::uint64_t> leaves) const;
     void look_at(const Query& query, std::size_t k, std::size_t leaf, int level, bool thorough) const;
     void trace_parts(const Query& query, std::size_t first) const;
     void push_parts(const Query& query, std::size_t first, int round, bool on_dynamic, ray::Against against,

@@ -476,6 +476,7 @@ void DirectionCells::add_stand_ins(const DirectionNode& family, std::uint32_t sc
         for (std::uint32_t leaf = node.first_leaf; leaf < node.first_leaf + node.leaves; ++leaf)
             stand_in_of_[leaf] = static_cast<std::uint16_t>(stand_in);
         stand_ins_[stand_in / 64] |= std::uint64_t{1} << (stand_in % 64);
+        stood_for_.push_back({node.first_leaf, node.leaves, stand_in});
     };
     if (divided_once) return set(family, scout);
     for (std::uint32_t q = 0; q < family.count; ++q) {
@@ -542,6 +543,7 @@ bool DirectionCells::same_directions(const DirectionCells& other) const
 std::size_t DirectionCells::bytes() const
 {
     return nodes_.size() * sizeof(DirectionNode) + families_.size() * sizeof(CellFamily) +
+           stood_for_.size() * sizeof(StoodFor) +
            leaves() * (3 * sizeof(glm::vec3) + sizeof(float) + sizeof(std::uint32_t) + sizeof(std::uint16_t));
 }
 

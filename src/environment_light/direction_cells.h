@@ -56,6 +56,11 @@ struct CellFamily {
     std::array<std::uint32_t, 3> neighbours{};   // families across the edges
 };
 
+/// Leaves in a row, and the one of them that stands in for all where a coarse answer will do.
+struct StoodFor {
+    std::uint32_t first = 0, leaves = 0, stand_in = 0;
+};
+
 /// A cell of the tree: the directions between its corners.
 struct DirectionNode {
     std::array<glm::dvec3, 4> corner{};   // unit, around the cell, seen from the sphere's middle in either sense
@@ -114,6 +119,8 @@ class DirectionCells {
     const std::vector<std::uint64_t>& stand_ins() const { return stand_ins_; }
     /// The leaf that stands in for a leaf. @pre families() is not empty
     std::size_t stand_in_of(std::size_t leaf) const { return stand_in_of_[leaf]; }
+    /// All leaves, by the leaf that stands in for them. Without families, empty.
+    std::span<const StoodFor> stood_for() const { return stood_for_; }
     /// Adds the leaves in and next to the family of a leaf to a mask; without families, all.
     void add_around(std::size_t leaf, std::span<std::uint64_t> mask) const;
     /// The number of a leaf, or of the cell of the least level that it is in, counted through that level; leaves of one
@@ -148,6 +155,7 @@ class DirectionCells {
     std::vector<std::uint16_t> family_of_;   // by leaf
     std::vector<std::uint64_t> stand_ins_;
     std::vector<std::uint16_t> stand_in_of_;   // by leaf
+    std::vector<StoodFor> stood_for_;
     glm::vec3 total_{0};
 };
 

@@ -24,6 +24,7 @@ trace::EnvironmentTechnique* FrameEnvironment::of_frame(const scene::SceneState&
         environment_light::EnvironmentOptions made;
         made.sun_diameter = sun_diameter;
         technique_ = std::make_unique<trace::EnvironmentTechnique>(made);
+        if (options.interactive) technique_->remember_first();
         sun_size_ = options.sun_size;
     }
     return technique_.get();

@@ -32,10 +32,15 @@ std::size_t find_outlines(Scene& scene, const OutlineOptions& options = {});
 /// @return  the number of parts that were turned
 std::size_t turn_surfaces(Scene& scene);
 
-/// Finds domes of skies: unlit objects that lie around all others and are far larger. They get a copy of their material
-/// with Material::outline, because they must not keep the light of an environment from what they surround.
+/// Finds domes of skies: objects that lie around all others and are far larger, and that are unlit, or opaque spheres
+/// or halves of spheres with a floor in them, which may be as wide. They get a copy of their material with
+/// Material::outline, because they must not keep the light of an environment from what they surround.
 /// @return  the number of objects that were found
 std::size_t find_sky_domes(Scene& scene);
+inline constexpr float k_dome =
+    6;   // diagonals of the rest that a dome has at least: what frames the rest stays inside
+/// Whether something with this box is flat, level, and within a dome.
+bool is_floor_of_dome(const Box3& box, const Box3& dome);
 
 /// If every surface of a scene is entirely transparent, makes them opaque: some programs write a transparency where an
 /// opacity is expected. Textures and animated values are not looked at: materials that have them count as visible.

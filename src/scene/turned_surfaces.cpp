@@ -16,7 +16,6 @@ namespace {
 constexpr double k_opposed = 0.98;        // of the area of a part whose normals are turned
 constexpr double k_least_volume = 0.02;   // of a part that encloses some, in units of its area to the power of 1.5; a
                                           // ball has .094
-constexpr double k_dome = 6;   // diagonals of the rest that a dome has at least, as framing asks
 
 // What the triangles of a part say about their sides.
 struct Sides {
@@ -46,14 +45,6 @@ Sides sides_of(const Mesh& mesh, const MeshPart& part)
         sides.volume += glm::dot(p[0], cross) / 6;
     }
     return sides;
-}
-
-Box3 box_of(const Mesh& mesh, const glm::dmat4& world)
-{
-    Box3 box;
-    for (const glm::vec3& p : mesh.positions)
-        if (const glm::vec3 placed(transform_point(world, glm::dvec3(p))); is_finite(placed)) box.add(placed);
-    return box;
 }
 
 bool invisible(const Material& m)
@@ -102,61 +93,6 @@ std::size_t turn_surfaces(Scene& scene)
         }
     }
     return turned;
-}
-
-std::size_t find_sky_domes(Scene& scene)
-{
-    const auto is_unlit = [&](const Mesh& mesh) {
-        return !mesh.parts.empty() && std::all_of(mesh.parts.begin(), mesh.parts.end(), [&](const MeshPart& part) {
-            const Material& material = scene.materials[part.material];
-            return material.model == ShadingModel::unlit && material.alpha_mode == AlphaMode::opaque;
-        });
-    };
-    if (std::none_of(scene.materials.begin(), scene.materials.end(),
-                     [](const Material& m) { return m.model == ShadingModel::unlit; }))
-        return 0;
-    const std::vector<glm::dmat4> world = scene.world_matrices(scene.timeline.start);
-    std::vector<std::pair<NodeId, Box3>> unlit;
-    Box3 rest;
-    for (NodeId n = 0; n < scene.nodes.size(); ++n) {
-        if (scene.nodes[n].mesh == none) continue;
-        const Mesh& mesh = scene.meshes[scene.nodes[n].mesh];
-        const Box3 box = box_of(mesh, world[n]);
-        if (box.empty()) continue;
-        if (is_unlit(mesh) && !mesh.skin)
-            unlit.emplace_back(n, box);
-        else
-            rest.add(box.low), rest.add(box.high);
-    }
-    // Of unlit objects, those that are not far larger than the others belong to the rest.
-    std::sort(unlit.begin(), unlit.end(), [](const auto& a, const auto& b) {
-        return std::pair(a.second.diagonal(), a.first) < std::pair(b.second.diagonal(), b.first);
-    });
-    std::size_t found = 0;
-    std::map<MaterialId, MaterialId> copies;
-    for (const auto& [node, box] : unlit) {
-        const bool around = !rest.empty() && glm::all(glm::lessThan(box.low, rest.low)) &&
-                            glm::all(glm::greaterThan(box.high, rest.high)) &&
-                            static_cast<double>(box.diagonal()) > k_dome * static_cast<double>(rest.diagonal());
-        if (!around) {
-            if (found == 0) rest.add(box.low), rest.add(box.high);
-            continue;
-        }
-        ++found;
-        Mesh& mesh = scene.meshes.edit(scene.nodes[node].mesh);
-        for (MeshPart& part : mesh.parts) {
-            if (scene.materials[part.material].outline) continue;
-            const auto [known, fresh] =
-                copies.try_emplace(part.material, static_cast<MaterialId>(scene.materials.size()));
-            if (fresh) {
-                Material copy = scene.materials[part.material];
-                copy.outline = true;
-                scene.materials.push_back(std::move(copy));
-            }
-            part.material = known->second;
-        }
-    }
-    return found;
 }
 
 bool show_invisible(Scene& scene)

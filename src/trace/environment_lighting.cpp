@@ -22,8 +22,10 @@ constexpr float k_least_alignment = 0.8f;   // cosine between the normals of a p
 constexpr float k_most_footprints = 12;     // between them, in widths of a pixel on the surface
 constexpr float k_least_cosine = 0.1f;      // of the view, for that width
 constexpr std::uint32_t k_between = 0xffffffff;
-// Of a path: up to here, a point that no others guide and that guides none is answered coarsely. A cell that is wrong
-// is a hundredth of its light, times this.
+constexpr int k_passes = 2;                   // of points with guides
+constexpr float k_passes_alike = 1 / 64.0f;   // difference of what surfaces let through, up to which it is interpolated
+// Of a path, times the share of the pixel: up to here, a point that no others guide and that guides none is answered
+// coarsely. A cell that is wrong is a hundredth of its light, times this.
 constexpr float k_coarse_throughput = 0.25f;
 
 glm::vec3 interpolated(std::span<const glm::vec3> of_places, const PlaceLattice::Around& around)
@@ -62,6 +64,8 @@ std::unique_ptr<EnvironmentTechnique> EnvironmentTechnique::of_every_ray(double 
 void EnvironmentTechnique::begin_frame(const FrameContext& frame, std::size_t tiles)
 {
     light_.follow(frame.state, frame.rays);
+    remembers_ = begun_;
+    begun_ = true;
     const std::size_t sets = 1 + light_.suns().size();
     if (memories_.size() != tiles || memories_.empty() || memories_[0].size() != sets) {
         memories_.clear();
@@ -161,7 +165,7 @@ void EnvironmentLighting::find_seen(const PointBatch& batch, std::size_t tile)
     asked_places_.resize(between.size());
     std::iota(asked_places_.begin(), asked_places_.end(), 0u);
     if (!between.empty())
-        light.visibility().find(scratch_, between, asked_places_, {}, &technique_.memory(tile), lattice_seen_);
+        light.visibility().find(scratch_, between, asked_places_, {}, technique_.memory(tile), lattice_seen_);
     lattice_irradiance_.resize(between.size());
     lattice_passes_.assign(passing_.any() ? between.size() : 0, glm::vec3(1));
     for (std::size_t p = 0; p < between.size(); ++p) {
@@ -181,15 +185,48 @@ void EnvironmentLighting::find_seen(const PointBatch& batch, std::size_t tile)
     }
     places_.find(batch, apart_);
     find_guides(batch, places_.own_points());
-    for (std::size_t k = 0; k < guides_.size() && !batch.primary; ++k) {
+    for (std::size_t k = 0; k < guides_.size() && (!batch.primary || batch.most_share < 1); ++k) {
         const glm::vec3& throughput = batch.points[places_.own_points()[k]].throughput;
-        guides_[k].coarse = guides_[k].pass == 0 && !guides_[k].guides &&
-                            std::max({throughput.x, throughput.y, throughput.z}) <= k_coarse_throughput;
+        const float share = batch.most_share * std::max({throughput.x, throughput.y, throughput.z});
+        guides_[k].coarse = guides_[k].pass == 0 && !guides_[k].guides && share <= k_coarse_throughput;
     }
     asked_places_.resize(places_.own());
     std::iota(asked_places_.begin(), asked_places_.end(), 0u);
-    light.visibility().find(scratch_, places_.places(), asked_places_, guides_, &technique_.memory(tile), seen_);
+    light.visibility().find(scratch_, places_.places(), asked_places_, guides_, technique_.memory(tile), seen_);
+    if (passing_.any()) find_passing(batch);
     find_shared();
+}
+
+// Finds what surfaces that thin light let through to points with places of their own: guides first. Where these agree,
+// it is interpolated between them.
+void EnvironmentLighting::find_passing(const PointBatch& batch)
+{
+    const environment_light::EnvironmentLight& light = technique_.light();
+    own_passes_.assign(places_.own(), glm::vec3(1));
+    for (int pass = 0; pass <= k_passes; ++pass)
+        for (std::size_t k = 0; k < own_passes_.size(); ++k) {
+            const Guides& guides = guides_[k];
+            if (guides.pass != pass) continue;
+            if (pass > 0) {
+                glm::vec3 least(k_infinity), most(0), between(0);
+                for (std::size_t i = 0; i < guides.corner.size(); ++i) {
+                    const glm::vec3& passes = own_passes_[guides.corner[i]];
+                    least = glm::min(least, passes), most = glm::max(most, passes);
+                    between += guides.weight[i] * passes;
+                }
+                const glm::vec3 apart = most - least;
+                if (std::max({apart.x, apart.y, apart.z}) <= k_passes_alike) {
+                    own_passes_[k] = between;
+                    continue;
+                }
+            }
+            const std::uint32_t p = places_.own_points()[k];
+            const TilePoint& point = batch.points[p];
+            const bool direct = (batch.primary || point.straight) && batch.most_share == 1;
+            own_passes_[k] =
+                passing_.from_cells(point.surface.normal, batch.shadow_points[p].origin, light.visibility().cells(),
+                                    seen_.of(k), direct ? PassingLight::k_rays : PassingLight::k_rays_in_mirrors);
+        }
 }
 
 // Finds what shared places see: coarsely, and each place once for all tiles.
@@ -288,6 +325,7 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
 {
     interruption_point();
     reflected_.assign(batch.points.size(), 0);
+    shown_by_lobes_.assign(batch.points.size(), 0);
     asked_.clear();
     for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
         const shading::SurfacePoint& s = batch.points[p].surface;
@@ -307,6 +345,7 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
         std::span<const environment_light::PartialCell> partial;
         const PlaceMemory::Place* shared = nullptr;
         const PlaceLattice::Around* between = apart_at_[k] == k_between ? &lattice_.around()[k] : nullptr;
+        const std::size_t shared_rays = point.straight ? PassingLight::k_rays : PassingLight::k_rays_in_mirrors;
         const float highlight = highlight_share(s);
         const glm::vec3 albedo = highlight > 0 ? shading::glossy_albedo(s) : glm::vec3(0);
         const glm::vec3 weight = (1 - highlight) * point.next.unresolved_weight + highlight * s.coverage * albedo;
@@ -342,19 +381,21 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
                 radiance +=
                     highlight * (glm::vec3(1) - albedo) * shading::reflect_irradiance(s, {}, glm::vec3(0), irradiance);
         }
-        if (weight != glm::vec3(0))
+        if (weight != glm::vec3(0)) {
+            float share = 0;
             radiance += weight * light.light().seen_by({.to_viewer = s.to_viewer,
                                                         .mirrored = point.next.reflected,
                                                         .normal = s.normal,
                                                         .horizon = s.smooth_normal,
                                                         .roughness = s.roughness},
-                                                       seen, partial);
+                                                       seen, partial, &share);
+            shown_by_lobes_[asked_[k]] = highlight * share;
+        }
         if (passing_.any() && radiance != glm::vec3(0))
-            radiance *=
-                between ? interpolated(lattice_passes_, *between)
-                        : passing_.from_cells(
-                              s.normal, batch.shadow_points[asked_[k]].origin, light.visibility().cells(), seen,
-                              batch.primary || point.straight ? PassingLight::k_rays : PassingLight::k_rays_in_mirrors);
+            radiance *= between  ? interpolated(lattice_passes_, *between)
+                        : shared ? passing_.from_cells(s.normal, batch.shadow_points[asked_[k]].origin,
+                                                       light.visibility().cells(), seen, shared_rays)
+                                 : own_passes_[places_.place_of(apart_at_[k])];
         reflected_[asked_[k]] = luminance(radiance);
         add(point, radiance);
     }
@@ -413,7 +454,7 @@ void EnvironmentLighting::light_by_suns(
         else
             find_guides(batch, asked_);
         sun.visibility->find(scratch_, batch.shadow_points, asked_, guides_,
-                             technique_.every_ray() ? nullptr : &technique_.memory(tile, static_cast<int>(i)), seen_);
+                             technique_.every_ray() ? nullptr : technique_.memory(tile, static_cast<int>(i)), seen_);
         for (std::size_t k = 0; k < asked_.size(); ++k)
             add_seen(asked_[k], batch.shadow_points[asked_[k]].origin, seen_.of(k));
     }

@@ -35,11 +35,14 @@ class EnvironmentTechnique {
     bool empty() const { return light_.empty(); }
     PlaceMemory& shared_places() { return shared_places_; }
     const environment_light::EnvironmentLight& light() const { return light_; }
+    /// What points of a tile remember; null in the first frame, because a single image has no use for it.
     /// @param sun  in EnvironmentLight::suns(); -1: of the image
-    environment_light::PointMemory& memory(std::size_t tile, int sun = -1)
+    environment_light::PointMemory* memory(std::size_t tile, int sun = -1)
     {
-        return memories_[tile][static_cast<std::size_t>(sun) + 1];
+        return remembers_ ? &memories_[tile][static_cast<std::size_t>(sun) + 1] : nullptr;
     }
+    /// Points remember from the first frame on.
+    void remember_first() { remembers_ = begun_ = true; }
     /// Every direction of a sun is traced from every point, and reflected by itself: the reference.
     bool every_ray() const { return every_ray_; }
     /// For the reference: suns alone.
@@ -57,6 +60,7 @@ class EnvironmentTechnique {
     std::shared_ptr<const scene::Environment> image_;   // of which shared places know what they see
     std::uint32_t version_ = 0, suns_version_ = 0;
     bool every_ray_ = false;
+    bool begun_ = false, remembers_ = false;   // whether a frame was begun; whether it is not the first
     environment_light::VisibilityCounters counters_;
 };
 
@@ -74,6 +78,8 @@ class EnvironmentLighting {
                const std::function<void(const TilePoint&, const glm::vec3&)>& add);
     /// Of the last call of light(), by point of the batch: the luminance of the radiance that it added.
     std::span<const float> reflected() const { return reflected_; }
+    /// Likewise: what the lobe showed of the image, as a share of what it reflects.
+    std::span<const float> shown_by_lobes() const { return shown_by_lobes_; }
     /// The same with the light of suns. Also gives the light and its visible share.
     void light_by_suns(const PointBatch& batch, std::size_t tile, const scene::SceneState& state,
                        const std::function<void(const TilePoint&, const glm::vec3&, scene::LightId, float)>& add);
@@ -86,6 +92,7 @@ class EnvironmentLighting {
  private:
     void find_guides(const PointBatch& batch, std::span<const std::uint32_t> points);
     void find_seen(const PointBatch& batch, std::size_t tile);
+    void find_passing(const PointBatch& batch);
     void find_shared();
     bool is_between(std::size_t k) const;
     void see_between(const PlaceLattice::Around& around);
@@ -100,13 +107,14 @@ class EnvironmentLighting {
     environment_light::SeenCells lattice_seen_;
     std::vector<glm::vec3> lattice_irradiance_, lattice_passes_;   // by place; empty: nothing thins light
     SharedPlaces places_;
+    std::vector<glm::vec3> own_passes_;          // by place of one point; only where something thins light
     std::vector<PlaceMemory::Place*> shared_;    // by shared place
     std::vector<std::uint32_t> claimed_;         // indices of shared places
     std::deque<PlaceMemory::Place> abandoned_;   // stand in for places that another thread abandoned
     environment_light::SeenCells shared_seen_;
     environment_light::CellVisibility::Scratch scratch_;
     environment_light::SeenCells seen_;
-    std::vector<float> reflected_;
+    std::vector<float> reflected_, shown_by_lobes_;
     std::vector<std::uint32_t> asked_;          // points that could reflect light
     std::vector<std::uint32_t> apart_;          // of these, those that are not between places
     std::vector<std::uint32_t> apart_at_;       // by asked point: its index there; k_between

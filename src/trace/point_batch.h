@@ -71,6 +71,7 @@ struct TilePoint {
     bool behind = false;        // its light counts as what lies behind the scene: TracedOptions::backdrop_apart
     bool glossy = false;        // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
     bool coat_glossy = false;   // likewise, of its coat's lobe
+    float image_by_lobe = 0;    // what its lobe shows of the environment image, of what it would show by itself
     LobePath lobe;              // of the path that it ends
 };
 
@@ -84,6 +85,7 @@ struct PointBatch {
     bool first_sample = false;   // of the pixels
     /// Empty, or the pixels, of the tile, of further samples of some pixels: TilePoint::pixel then numbers the samples.
     std::span<const std::uint32_t> pixels = {};
+    float most_share = 1;   // of its pixel, that the light of a point makes
 
     bool scattered() const { return !pixels.empty(); }
     glm::ivec2 pixel_of_image(const TilePoint& point) const

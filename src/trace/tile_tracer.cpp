@@ -21,6 +21,7 @@ constexpr int k_blurred_lobe_rays = 2;        // a power of two
 constexpr std::uint32_t k_lobe_blocks = shading::k_lobe_interleave * shading::k_lobe_interleave;
 constexpr float k_least_mirrored = 0.1f;   // share of a surface's light that comes from others, of a mirror
 constexpr float k_least_cosine = 0.1f;     // of the view, for the pixel's footprint
+constexpr float k_further_share = 0.25f;   // of a pixel, that a further sample makes, with those that take its light
 
 // The mean radiance of a sky over the directions above a level surface, weighted by their cosines.
 glm::vec3 open_sky_radiance(scene::Background sky)
@@ -226,7 +227,7 @@ void TileTracer::clear_points()
 
 PointBatch TileTracer::batch(bool primary, int sample) const
 {
-    return {points_, shadow_points_, normals_, tile_, primary, sample == 0, pixels_};
+    return {points_, shadow_points_, normals_, tile_, primary, sample == 0, pixels_, refinement_ ? k_further_share : 1};
 }
 
 // Queues primary rays in Morton order, so that a packet covers a block of 4 x 2 or 4 x 4 pixels.
@@ -471,12 +472,14 @@ void TileTracer::add_environment(const PointBatch& batch, Stopwatch& watch)
                                     direct_[point.pixel] += radiance;
                                     shadow_[point.pixel * lights + l] += share;
                                 });
-    if (sees_image_)
+    if (sees_image_) {
         environment_->light(batch, tile, [&](const TilePoint& point, const glm::vec3& reflected) {
             const glm::vec3 radiance = point.throughput * reflected;
             add_light(point, radiance);
             if (batch.primary && options_.layers) direct_[point.pixel] += radiance;
         });
+        for (std::size_t p = 0; p < points_.size(); ++p) points_[p].image_by_lobe = environment_->shown_by_lobes()[p];
+    }
     watch.end(FrameTimes::shadows);
 }
 
@@ -554,8 +557,10 @@ void TileTracer::queue_continuations(bool primary)
         if (s.layered) {
             queue_layered(point, lift);
         } else {
-            queue(next_reflected_, c.reflected_weight, s.position + lift, c.reflected, point.glossy,
-                  sized_ ? 1 - highlight_share(s) : 1, sees_image_ ? 1 - highlight_share(s) : 1);
+            // What the lobe shows of the image is not hidden by what the ray meets.
+            const float left = 1 - point.image_by_lobe, own = left > 0 ? (1 - highlight_share(s)) / left : 0;
+            queue(next_reflected_, left * c.reflected_weight, s.position + lift, c.reflected, point.glossy,
+                  sized_ ? std::min(own, 1.0f) : 1, sees_image_ ? std::min(own, 1.0f) : 1);
             queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted);
         }
         queue(next_refracted_, c.straight_weight, s.position - lift, -s.to_viewer, false, 1, 1, point.straight);
@@ -706,7 +711,12 @@ void TileTracer::queue_layered(const TilePoint& point, const glm::vec3& lift)
             const float of_coat = point.coat_glossy ? 0 : by_coat ? 1 - coat_highlight_share(s) : 1;
             return coat * of_coat + (1 - coat) * base;
         };
-        path.emission = shown(sized_.has_value(), sized_.has_value()), path.background = shown(sees_image_, false);
+        // What the base's lobe shows of the image is not hidden by what the ray meets.
+        const float left = 1 - (1 - coat) * point.image_by_lobe;
+        const auto of_rest = [&](float part) { return left > 0 ? std::min(part / left, 1.0f) : 0; };
+        path.throughput *= left;
+        path.emission = of_rest(shown(sized_.has_value(), sized_.has_value()));
+        path.background = of_rest(shown(sees_image_, false));
         next_reflected_.push(path, s.position + lift, 0, c.reflected, k_infinity);
     }
     shading::find_transmitted(s, c, point.parts > 1, transmitted_);

@@ -249,6 +249,7 @@ TEST(EnvironmentFrame, ATurnedImageKeepsWhatIsSeenInOtherDirections)
             Renderer kept(options);
             const FrameInput input;
             const std::uint64_t first = kept.render(scene, input).counters.shadow.rays;
+            kept.render(scene, input);   // points remember from the second frame on
             for (const std::size_t by : {1, 40}) {
                 pixels = image_turned(by);
                 SceneBuilder edit(scene);

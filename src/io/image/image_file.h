@@ -34,8 +34,8 @@ struct ImageNeeds {
 /// @throws InputError
 ImageNeeds image_needs(std::span<const std::uint8_t> bytes, const std::string& name, const ImageLimits& limits = {});
 
-/// Reads PNG, JPEG, WebP (still images) or binary PPM, recognised by content; 8 bits per channel (16-bit PNG is
-/// reduced); 1 to 4 channels.
+/// Reads PNG, JPEG, WebP (still images), TGA, BMP or binary PPM, recognised by content; 8 bits per channel (16-bit PNG
+/// is reduced); 1 to 4 channels.
 /// @throws InputError
 Image8 read_image(const std::filesystem::path& file, const ImageLimits& limits = {});
 /// The same from memory; `name` is for messages.

@@ -15,6 +15,7 @@
 #include "gnomon/error.h"
 #include "io/file/read_file.h"
 #include "io/image/image_file.h"
+#include "io/image/targa.h"
 
 namespace gnomon::io {
 
@@ -400,7 +401,16 @@ Image8 decode(std::span<const std::uint8_t> bytes, const std::string& name, cons
     if (starts_with(bytes, {0xff, 0xd8, 0xff})) return decode_jpeg(bytes, name, limits, needs);
     if (starts_with(bytes, {'P', '6'}) || starts_with(bytes, {'P', '5'})) return decode_pnm(bytes, name, limits, needs);
     if (is_webp(bytes)) return decode_webp(bytes, name, limits, needs);
-    throw InputError(name, "", "unsupported image format; use PNG, JPEG, WebP or binary PPM");
+    if (is_bmp(bytes) || is_tga(bytes)) {
+        constexpr std::size_t k_largest = std::size_t{1} << 30;   // of a file
+        if (bytes.size() > k_largest) throw InputError(name, "", "the image file is larger than allowed");
+        const ImageNeeds own = is_bmp(bytes) ? bmp_needs(bytes, name) : tga_needs(bytes, name);
+        check_size(static_cast<std::uint64_t>(own.width), static_cast<std::uint64_t>(own.height), name, limits);
+        if (!needs) return decode_with_stb(bytes, name);
+        *needs = own;
+        return {};
+    }
+    throw InputError(name, "", "unsupported image format; use PNG, JPEG, WebP, TGA, BMP or binary PPM");
 }
 
 }   // namespace

@@ -25,15 +25,17 @@ struct ObjFace {
     std::uint32_t corner_count = 0;   // 3 or more
     std::uint32_t object = 0;
     std::uint32_t material = 0;
-    std::uint32_t smoothing = 0;   // group; 0: off; k_unset: not given
+    std::uint32_t smoothing = 0;        // group; 0: off; k_unset: not given
+    std::uint32_t color = k_no_index;   // in ObjData::face_colors; none: the positions have theirs
     static constexpr std::uint32_t k_unset = 0xffffffffu;
 };
 
 struct ObjData {
     std::vector<glm::vec3> positions;
-    std::vector<glm::vec4> colors;      // linear RGBA, by position; empty: none
-    std::vector<glm::vec2> texcoords;   // as in the file: v = 0 is the bottom row
-    std::vector<glm::vec3> normals;     // as in the file: of any length, also zero
+    std::vector<glm::vec4> colors;        // linear RGBA, by position; empty: none
+    std::vector<glm::vec4> face_colors;   // likewise
+    std::vector<glm::vec2> texcoords;     // as in the file: v = 0 is the bottom row
+    std::vector<glm::vec3> normals;       // as in the file: of any length, also zero
     std::vector<ObjCorner> corners;
     std::vector<ObjFace> faces;
     std::vector<std::string> objects;     // names; faces refer to them

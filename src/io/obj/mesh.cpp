@@ -18,6 +18,7 @@ constexpr std::uint32_t k_faces_a_step = 1 << 12;   // between interruption poin
 struct VertexKey {
     std::uint32_t position, texcoord;
     glm::vec3 normal;
+    std::uint32_t color = k_no_index;   // of the face
     friend bool operator==(const VertexKey&, const VertexKey&) = default;
 };
 
@@ -28,7 +29,7 @@ std::uint64_t hash(const VertexKey& key)
         h = (h ^ (h >> 29)) * 0xbf58476d1ce4e5b9ull;
         h += std::bit_cast<std::uint32_t>(key.normal[i] + 0.0f);
     }
-    h = (h ^ (h >> 32)) * 0x94d049bb133111ebull;
+    h = ((h ^ (h >> 32)) + (key.color + 1)) * 0x94d049bb133111ebull;
     return h ^ (h >> 31);
 }
 
@@ -128,8 +129,8 @@ void add_obj_meshes(scene::Scene& scene, const ObjData& data, const std::vector<
                 const bool given = normals[corner] != glm::vec3(0);
                 any_normal |= given;
                 any_texcoord |= corners[i].texcoord != k_no_index;
-                index.push_back(
-                    vertices.find_or_add({corners[i].position, corners[i].texcoord, given ? normals[corner] : flat}));
+                index.push_back(vertices.find_or_add(
+                    {corners[i].position, corners[i].texcoord, given ? normals[corner] : flat, face.color}));
             }
             // Start a new part with each material.
             if (mesh.parts.empty() || mesh.parts.back().material != material_of[face.material])
@@ -144,7 +145,10 @@ void add_obj_meshes(scene::Scene& scene, const ObjData& data, const std::vector<
         for (const VertexKey& key : vertices.keys()) {
             mesh.positions.push_back(data.positions[key.position]);
             if (any_normal) mesh.normals.push_back(key.normal);
-            if (!data.colors.empty()) mesh.colors.push_back(data.colors[key.position]);
+            if (key.color != k_no_index)
+                mesh.colors.push_back(data.face_colors[key.color]);
+            else if (!data.colors.empty())
+                mesh.colors.push_back(data.colors[key.position]);
             if (!any_texcoord) continue;
             const glm::vec2 t = key.texcoord == k_no_index ? glm::vec2(0) : data.texcoords[key.texcoord];
             mesh.texcoords[0].emplace_back(t.x, 1 - t.y);

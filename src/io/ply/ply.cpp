@@ -3,6 +3,7 @@
 // Polygons become a mesh as those of an OBJ do (io/obj/mesh.h), which also makes the normals that are missing.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -52,6 +53,7 @@ class Reader {
                              fmt::format("is a point cloud: {} points without faces, and only meshes are read",
                                          data_.positions.size()));
         check_indices();
+        color_the_rest();
         if (skipped_ > 0)
             warnings.push_back(fmt::format("{} {} fewer than three corners: left out", skipped_,
                                            skipped_ == 1 ? "face has" : "faces have"));
@@ -71,6 +73,18 @@ class Reader {
         }
     }
 
+    // A part of a colour, 0 to 1; integers are fractions of the type's largest value.
+    float color_part(const PlyProperty& p, double value)
+    {
+        if (ply_is_integer(p.type)) value /= p.type == PlyType::u8 || p.type == PlyType::i8 ? 255 : 65535;
+        return std::min(std::max(finite(value), 0.0f), 1.0f);
+    }
+
+    static glm::vec4 linear(const std::array<float, 4>& srgb)
+    {
+        return {linear_from_srgb(srgb[0]), linear_from_srgb(srgb[1]), linear_from_srgb(srgb[2]), srgb[3]};
+    }
+
     float finite(double value)
     {
         const auto single = static_cast<float>(value);
@@ -78,32 +92,45 @@ class Reader {
         return single;
     }
 
+    static int find_first(const PlyElement& element, std::initializer_list<const char*> names)
+    {
+        for (const char* name : names)
+            if (const int found = element.find(name); found >= 0) return found;
+        return -1;
+    }
+
+    // Where an element has the parts of its colour; red, green and blue are there, or none.
+    static std::array<int, 4> find_color(const PlyElement& element)
+    {
+        const std::array<int, 4> at = {
+            find_first(element, {"red", "diffuse_red", "r"}), find_first(element, {"green", "diffuse_green", "g"}),
+            find_first(element, {"blue", "diffuse_blue", "b"}), find_first(element, {"alpha", "a"})};
+        return at[0] >= 0 && at[1] >= 0 && at[2] >= 0 ? at : std::array<int, 4>{-1, -1, -1, -1};
+    }
+
     void vertices(const PlyElement& element)
     {
         if (!data_.positions.empty()) body_.fail("a second list of vertices");
         // Find the properties by their usual names.
-        const auto first_of = [&](std::initializer_list<const char*> names) {
-            for (const char* name : names)
-                if (const int found = element.find(name); found >= 0) return found;
-            return -1;
-        };
+        const auto first_of = [&](std::initializer_list<const char*> names) { return find_first(element, names); };
         enum Part { x, y, z, nx, ny, nz, red, green, blue, alpha, s, t, k_parts };
+        const std::array<int, 4> color_at = find_color(element);
         const std::array<int, k_parts> at = {element.find("x"),
                                              element.find("y"),
                                              element.find("z"),
                                              element.find("nx"),
                                              element.find("ny"),
                                              element.find("nz"),
-                                             first_of({"red", "diffuse_red", "r"}),
-                                             first_of({"green", "diffuse_green", "g"}),
-                                             first_of({"blue", "diffuse_blue", "b"}),
-                                             first_of({"alpha", "a"}),
+                                             color_at[0],
+                                             color_at[1],
+                                             color_at[2],
+                                             color_at[3],
                                              first_of({"s", "u", "texture_u", "texture_s"}),
                                              first_of({"t", "v", "texture_v", "texture_t"})};
         if (at[x] < 0 || at[y] < 0 || at[z] < 0) body_.fail("vertices without x, y and z");
         has_normals_ = at[nx] >= 0 && at[ny] >= 0 && at[nz] >= 0;
         has_texcoords_ = at[s] >= 0 && at[t] >= 0;
-        const bool colors = at[red] >= 0 && at[green] >= 0 && at[blue] >= 0;
+        const bool colors = at[red] >= 0;
         std::vector<int> part_of(element.properties.size(), k_parts);
         for (int part = 0; part < k_parts; ++part)
             if (at[static_cast<std::size_t>(part)] >= 0)
@@ -120,44 +147,53 @@ class Reader {
                     body_.skip(p);
                     continue;
                 }
-                double value = body_.value(p.type);
-                // Colours in integers are fractions of the type's largest value.
-                if (part >= red && part <= alpha && ply_is_integer(p.type))
-                    value /= p.type == PlyType::u8 || p.type == PlyType::i8 ? 255 : 65535;
-                v[static_cast<std::size_t>(part)] = finite(value);
+                const double value = body_.value(p.type);
+                v[static_cast<std::size_t>(part)] = part >= red && part <= alpha ? color_part(p, value) : finite(value);
                 if (part <= z && std::abs(v[static_cast<std::size_t>(part)]) > k_largest_coordinate)
                     body_.fail(fmt::format("{} is too large for a coordinate", value));
             }
             data_.positions.emplace_back(v[x], v[y], v[z]);
             if (has_normals_) data_.normals.emplace_back(v[nx], v[ny], v[nz]);
             if (has_texcoords_) data_.texcoords.emplace_back(v[s], v[t]);
-            if (colors) {
-                const auto linear = [](float c) { return linear_from_srgb(std::min(std::max(c, 0.0f), 1.0f)); };
-                data_.colors.emplace_back(linear(v[red]), linear(v[green]), linear(v[blue]),
-                                          std::min(std::max(v[alpha], 0.0f), 1.0f));
-            }
+            if (colors) data_.colors.push_back(linear({v[red], v[green], v[blue], v[alpha]}));
         });
     }
 
-    // Reads the list of vertex numbers of an element, and drops its other properties.
+    // Reads the list of vertex numbers of an element and its colour, and drops its other properties.
     template <class Numbers>
     void each_list(const PlyElement& element, Numbers numbers)
     {
         int list = element.find("vertex_indices", true);
         if (list < 0) list = element.find("vertex_index", true);
         if (list < 0) body_.fail(fmt::format("elements '{}' without vertex_indices", shown(element.name)));
+        const std::array<int, 4> color_at = find_color(element);
+        has_face_colors_ = color_at[0] >= 0;
+        color_ = {0, 0, 0, 1};
         for_each(element, [&] {
             for (std::size_t i = 0; i < element.properties.size(); ++i) {
                 const PlyProperty& p = element.properties[i];
+                const auto part = std::ranges::find(color_at, static_cast<int>(i));
+                if (has_face_colors_ && part != color_at.end() && !p.is_list) {
+                    color_[static_cast<std::size_t>(part - color_at.begin())] = color_part(p, body_.value(p.type));
+                    continue;
+                }
                 if (static_cast<int>(i) != list) {
                     body_.skip(p);
                     continue;
                 }
                 numbers_.clear();
                 for (std::uint64_t count = body_.length(p); count > 0; --count) numbers_.push_back(body_.value(p.type));
-                numbers();
             }
+            // Colours of vertices come first.
+            if (has_face_colors_ && data_.colors.empty()) add_color(linear(color_));
+            numbers();
         });
+    }
+
+    // Neighbouring faces often have the same colour.
+    void add_color(const glm::vec4& color)
+    {
+        if (data_.face_colors.empty() || data_.face_colors.back() != color) data_.face_colors.push_back(color);
     }
 
     ObjCorner corner(double number)
@@ -173,7 +209,10 @@ class Reader {
     {
         if (data_.corners.size() + corners.size() >= k_no_index) body_.fail("too many corners");
         data_.faces.push_back({static_cast<std::uint32_t>(data_.corners.size()),
-                               static_cast<std::uint32_t>(corners.size()), 0, 0, ObjFace::k_unset});
+                               static_cast<std::uint32_t>(corners.size()), 0, 0, ObjFace::k_unset,
+                               has_face_colors_ && data_.colors.empty()
+                                   ? static_cast<std::uint32_t>(data_.face_colors.size() - 1)
+                                   : k_no_index});
         for (const double number : corners) data_.corners.push_back(corner(number));
     }
 
@@ -203,6 +242,16 @@ class Reader {
         });
     }
 
+    // Makes faces white that have no colour in a file in which others have one.
+    void color_the_rest()
+    {
+        if (data_.face_colors.empty() || !data_.colors.empty()) return;
+        const auto white = static_cast<std::uint32_t>(data_.face_colors.size());
+        data_.face_colors.emplace_back(1);
+        for (ObjFace& face : data_.faces)
+            if (face.color == k_no_index) face.color = white;
+    }
+
     void check_indices()
     {
         for (std::size_t f = 0; f < data_.faces.size(); ++f) {
@@ -224,6 +273,8 @@ class Reader {
     PlyBody body_;
     ObjData data_;
     std::vector<double> numbers_;
+    std::array<float, 4> color_{};   // of the face that was read last
+    bool has_face_colors_ = false;
     bool has_normals_ = false, has_texcoords_ = false;
     std::uint64_t skipped_ = 0;
 };
@@ -244,7 +295,7 @@ scene::Scene load_ply(const std::filesystem::path& file, const Progress& progres
     }
     scene::Material material;
     material.name = "default";
-    material.base_color = glm::vec3(data.colors.empty() ? k_grey : 1);
+    material.base_color = glm::vec3(data.colors.empty() && data.face_colors.empty() ? k_grey : 1);
     material.double_sided = true;   // scanners and converters do not agree on the order of corners
     scene.materials.push_back(material);
     if (!data.faces.empty()) add_obj_meshes(scene, data, {0}, {});

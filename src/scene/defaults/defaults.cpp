@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
 #include "base/check.h"
@@ -112,6 +113,22 @@ float share_lit_by_emission(const Scene& scene)
     return asked > 0 ? static_cast<float>(lit) / static_cast<float>(asked) : 0;
 }
 
+// Says so if nothing has any size in the first frame, as where everything grows out of points.
+void warn_of_late_beginning(Scene& scene)
+{
+    constexpr int k_looks = 8;
+    const double start = scene.timeline.start, length = scene.timeline.end - start;
+    if (scene.objects.empty() || !(length > 0) || scene.bounds(start).diagonal() > 0) return;
+    for (int look = 1; look < k_looks; ++look) {
+        const double done = static_cast<double>(look) / (k_looks - 1);
+        if (!(scene.bounds(start + length * done).diagonal() > 0)) continue;
+        const double last = static_cast<double>(scene.timeline.frames) - 1;
+        scene.warnings.push_back(fmt::format("frame 1 shows no surface, because none has any size there: frame {} does",
+                                             1 + static_cast<int>(std::floor(last * done))));
+        return;
+    }
+}
+
 NodeId add_looking_node(Scene& scene, const char* name, const glm::dvec3& eye, const glm::dvec3& direction)
 {
     const glm::dvec3 up = std::abs(direction.y) > 0.99 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);
@@ -178,6 +195,7 @@ void add_default_camera(Scene& scene)
                             : view.room->stage ? "before the scene"
                                                : "inside the scene";
     scene.warnings.push_back(fmt::format("no camera in the scene: added a default camera {}", how));
+    warn_of_late_beginning(scene);
 }
 
 }   // namespace gnomon::scene

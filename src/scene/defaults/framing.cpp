@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "scene/convex_hull.h"
+#include "scene/file_surfaces.h"
 
 namespace gnomon::scene {
 
@@ -119,7 +120,10 @@ Content content_of_clip(const Scene& scene, const FramingOptions& options, Conte
         state.advance(start + length * look / (looks - 1));
         for (const ObjectId id : order) collector.add(state, id, all);
     }
-    const bool goes_far = !first.box.empty() && all.box.diagonal() > options.widest_clip * first.box.diagonal();
+    // What has no size in the first frame, such as something that grows out of a point, says nothing.
+    constexpr float k_point = 1e-6f;
+    const bool goes_far = !first.box.empty() && first.box.diagonal() > k_point * all.box.diagonal() &&
+                          all.box.diagonal() > options.widest_clip * first.box.diagonal();
     Content result = std::move(goes_far ? first : all);
     if (result.box.empty())
         for (int corner = 0; corner < 8; ++corner)
@@ -149,7 +153,6 @@ Box3 box_of(const SceneState& state, ObjectId id)
 
 std::vector<char> surrounding_objects(const SceneState& state)
 {
-    constexpr float k_larger = 6;   // than the others together, so that a camera that frames them stays inside
     const Scene& scene = state.scene();
     std::vector<char> left_out(scene.objects.size());
     for (ObjectId id = 0; id < scene.objects.size(); ++id) {
@@ -159,13 +162,23 @@ std::vector<char> surrounding_objects(const SceneState& state)
                                    [&](const MeshPart& part) { return scene.materials[part.material].outline; });
     }
     if (std::find(left_out.begin(), left_out.end(), 1) == left_out.end()) return {};
+    // A floor below a dome may be as wide as it; what stands there is the rest.
+    Box3 dome;
+    std::vector<Box3> boxes(scene.objects.size());
+    for (ObjectId id = 0; id < scene.objects.size(); ++id) {
+        boxes[id] = box_of(state, id);
+        if (left_out[id] && !boxes[id].empty()) dome.add(boxes[id].low), dome.add(boxes[id].high);
+    }
+    std::vector<char> floors(scene.objects.size());
     Box3 rest;
-    for (ObjectId id = 0; id < scene.objects.size(); ++id)
-        if (!left_out[id])
-            if (const Box3 box = box_of(state, id); !box.empty()) rest.add(box.low), rest.add(box.high);
+    for (ObjectId id = 0; id < scene.objects.size(); ++id) {
+        if (left_out[id] || boxes[id].empty()) continue;
+        floors[id] = !dome.empty() && is_floor_of_dome(boxes[id], dome);
+        if (!floors[id]) rest.add(boxes[id].low), rest.add(boxes[id].high);
+    }
     bool any = false;
     for (ObjectId id = 0; id < scene.objects.size(); ++id) {
-        if (left_out[id]) left_out[id] = !rest.empty() && box_of(state, id).diagonal() > k_larger * rest.diagonal();
+        if (left_out[id] || floors[id]) left_out[id] = !rest.empty() && boxes[id].diagonal() > k_dome * rest.diagonal();
         any = any || left_out[id];
     }
     return any ? left_out : std::vector<char>();
