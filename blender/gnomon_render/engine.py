@@ -60,10 +60,10 @@ class GnomonRenderEngine(bpy.types.RenderEngine):
 
     # Final renders.
 
-    def update_render_passes(self, scene=None, renderlayer=None) -> None:
+    def update_render_passes(self, scene, renderlayer) -> None:
         from . import passes
 
-        passes.register_passes(self, renderlayer)
+        passes.register_passes(self, scene, renderlayer)
 
     def update(self, data, depsgraph) -> None:
         if not self._loaded():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Optional
 
+import bpy
 import gnomon
 import numpy as np
 
@@ -23,7 +24,8 @@ class LayerRender:
         self.frame: Any = None
         """The last frame, for tests."""
         self._depsgraph: Optional[int] = None
-        self._number: Optional[float] = None   # of the last frame
+        self.motion_ahead: Optional[np.ndarray] = None
+        """(height, width, 2): pixels to the right and down, from where a point will be a frame later to where it is."""
         self._changes = Changes()   # that no frame has shown yet
 
     def close(self) -> None:
@@ -61,11 +63,11 @@ class LayerRender:
         size = render_size(render) if region is None else region[2:]
         at = (0, 0) if region is None or render.use_crop_to_border else region[:2]
         number = scene.frame_current + scene.frame_subframe
-        if depsgraph.view_layer.use_pass_vector and self._number != number - 1:
-            self._render_before(depsgraph, number - 1, region)
+        self.motion_ahead = None
+        if depsgraph.view_layer.use_pass_vector:
+            self._find_motion(depsgraph, number, region, size)
         self.frame = None   # its memory is used again
         self.frame = self._render_blurred(depsgraph, number, region, size)
-        self._number = number
         self._store(depsgraph, at, size)
 
     def _render_blurred(self, depsgraph, number: float, region: Optional[tuple], size: tuple):
@@ -103,13 +105,17 @@ class LayerRender:
             self._set_frame(depsgraph, number)
         return frame
 
-    def _render_before(self, depsgraph, number: float, region: Optional[tuple]) -> None:
-        """Lets the renderer know the frame before, from which vectors lead."""
-        here = depsgraph.scene_eval.frame_current + depsgraph.scene_eval.frame_subframe
+    def _find_motion(self, depsgraph, number: float, region: Optional[tuple], size: tuple) -> None:
+        """Finds the motion to the frame after, and lets the renderer know the frame before, from which vectors lead."""
+        quick = {"samples": 1, "indirect": "off", "layers": False, "ids": False}
+        self._go_to(depsgraph, number + 1)
+        self._render(depsgraph, number + 1, self._camera(depsgraph, region), (16, 16), quick)
         self._go_to(depsgraph, number)
-        self._render(depsgraph, number, self._camera(depsgraph, region), (16, 16),
-                     {"samples": 1, "indirect": "off", "layers": False, "ids": False})
-        self._go_to(depsgraph, here)
+        frame = self._render(depsgraph, number, self._camera(depsgraph, region), size, quick)
+        self.motion_ahead = frame.motion.copy()
+        self._go_to(depsgraph, number - 1)
+        self._render(depsgraph, number - 1, self._camera(depsgraph, region), (16, 16), quick)
+        self._go_to(depsgraph, number)
 
     def _go_to(self, depsgraph, number: float) -> None:
         """Evaluates the scene at another time, and reads it."""
@@ -155,16 +161,27 @@ class LayerRender:
                 if each.name == "Combined":
                     passes.store(each, passes.combined(self.frame))
                 elif any(each.name == row[1] for row in passes.PASSES):
-                    passes.store(each, passes.values_of(self.frame, each.name, lambda ids: self._indices(depsgraph, ids)))
+                    passes.store(each, self._values_of(each.name))
         finally:
             self.engine.end_result(result)
         self.engine.update_progress(1.0)
 
-    def _indices(self, depsgraph, ids: np.ndarray) -> np.ndarray:
+    def _values_of(self, name: str) -> np.ndarray:
+        if name == "Vector":
+            return passes.vectors(self.frame, self.motion_ahead)
+        if name == "IndexOB":
+            return self._indices(self.frame.object_ids)[..., None]
+        if name == "DiffCol":
+            return passes.diffuse_color(self.frame, self.sync.reflectances(self.frame.material_ids))
+        if name == "Shadow":
+            return passes.shadow(self.frame, self.sync.light_channels())
+        return passes.values_of(self.frame, name)
+
+    def _indices(self, ids: np.ndarray) -> np.ndarray:
         """Pass indices of the objects of a layer of ids."""
         result = np.zeros(ids.shape, dtype=np.float32)
         for value, name in self.sync.names_of(ids).items():
-            block = depsgraph.objects.get(name)
+            block = bpy.data.objects.get(name)   # objects of instances are not among the graph's own
             if block is not None and block.pass_index:
                 result[ids == value] = block.pass_index
         return result

@@ -551,6 +551,26 @@ class SceneSync:
                 found[int(value)] = self._names[part]
         return found
 
+    def reflectances(self, ids: np.ndarray) -> dict:
+        """By value of the layer of materials: share of metal, reflectance of what is not metal, share of glass."""
+        by_id = {part.id: part.made.values for part in self._materials.values()}
+        found = {}
+        for value in np.unique(ids):
+            material = self.scene.material_of(int(value)) if value else None
+            values = by_id.get(material) if material is not None else None
+            if values is None:
+                continue
+            layers = values["layers"]
+            specular = 0.04 * layers.get("specular", 1.0) * float(np.mean(layers.get("specular_color", (1.0,))))
+            textured = "metallic_roughness_texture" in values
+            found[int(value)] = (0.0 if textured else values["metallic"], specular, values["transmission"])
+        return found
+
+    def light_channels(self) -> list:
+        """The channels of the layer of shadows that belong to lamps."""
+        lamps = {part.light for part in self._lights.values() if part.light is not None and part.visible}
+        return [index for index, light in enumerate(self.scene.lights) if light in lamps]
+
     def close(self) -> None:
         self.builder.close()
 
