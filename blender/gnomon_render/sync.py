@@ -40,9 +40,7 @@ class _MeshPart:
     shape: bytes
     deforms: bool
     vertices: Optional[gnomon.Vertices] = None
-    """Those in force, if they are not the mesh's own."""
-    first: Optional[gnomon.Vertices] = None
-    """The mesh's own, if it deforms."""
+    """Those in force, if it deforms."""
     users: set = field(default_factory=set)
 
     def holds(self, made: geometry.Geometry) -> bool:
@@ -433,7 +431,7 @@ class SceneSync:
                 if part.vertices is not None:
                     changes.vertices[self._instances[user].id] = part.vertices
         elif (shape := made.shape()) != part.shape:
-            before, part.vertices = part.vertices or part.first, gnomon.Vertices(made.positions, made.normals)
+            before, part.vertices = part.vertices, gnomon.Vertices(made.positions, made.normals)
             part.shape = shape
             for user in part.users:
                 self._before[self._instances[user].id, "vertices"] = before
@@ -462,7 +460,7 @@ class SceneSync:
                                   name=key[1], **uvs)
         self._change_builder()
         first = gnomon.Vertices(made.positions, made.normals) if made.deforms else None
-        part = self._meshes[key] = _MeshPart(added, made.topology(), made.shape(), made.deforms, first, first)
+        part = self._meshes[key] = _MeshPart(added, made.topology(), made.shape(), made.deforms, first)
         return part
 
     def _extract(self, ob, key: tuple, deforms: bool) -> Optional[geometry.Geometry]:
