@@ -90,5 +90,57 @@ TEST(NearPatches, LightAtTheFootOfAWallIsThatOfTheReference)
         }
 }
 
+// A luminous plate that lies almost on a floor, before a wall, under an even sky. Light bounces between the plate and
+// the floor, and leaves the gap near its mouth alone.
+Scene plate_above_a_floor(float x)
+{
+    SceneBuilder builder;
+    const std::vector<Vec3> square{{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0.5f, 0, 0.5f}, {-0.5f, 0, 0.5f}};
+    const std::vector<std::uint32_t> up{0, 2, 1, 0, 3, 2}, down{0, 1, 2, 0, 2, 3};
+    const MaterialId white = builder.material({.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .ior = 1});
+    const MaterialId luminous =
+        builder.material({.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .emissive = {500, 500, 500}, .ior = 1});
+    const MeshId sheet = builder.mesh({.positions = square, .indices = up});
+    const MeshId ceiling = builder.mesh({.positions = square, .indices = down});
+    builder.instance(sheet, white, Transform::scaling(4, 1, 4));
+    constexpr double k_quarter = 1.5707963267948966;
+    builder.instance(
+        sheet, white,
+        Transform::translation(0, 1, -1) * Transform::rotation({1, 0, 0}, k_quarter) * Transform::scaling(4, 1, 2));
+    builder.instance(ceiling, luminous, Transform::translation(x, 0.002, 0) * Transform::scaling(0.6, 1, 0.6));
+    builder.instance(sheet, white, Transform::translation(x, 0.003, 0) * Transform::scaling(0.6, 1, 0.6));
+    const std::vector<float> sky(2 * 3, 1.0f);
+    builder.environment({.width = 2, .height = 1, .pixels = sky});
+    Camera camera;
+    camera.transform = Transform::look_at({0.01f, 3, 0.5f}, {0, 0, 0});
+    camera.vertical_fov = 0.6;
+    builder.camera(camera);
+    return builder.finish();
+}
+
+TEST(NearPatches, LightAtTheMouthOfAGapStaysThere)
+{
+    constexpr int k_size = 64;
+    constexpr float k_width = 1.86f;   // of what the camera sees
+    RenderOptions options;
+    options.size = {k_size, k_size};
+    options.layers = true;
+    for (const float x : {0.0f, 0.01f, 0.02f, 0.03f, 0.05f, 0.08f}) {
+        const std::vector<float> image = indirect_of(Renderer(options).render(plate_above_a_floor(x), 1));
+        // Nothing but the pixels at the plate's rim is brighter or darker than the floor around.
+        for (int y = 8; y < 56; ++y) {
+            std::vector<float> row;
+            for (int column = 0; column < k_size; ++column)
+                if (const float u = (static_cast<float>(column) + 0.5f) / k_size - 0.5f;
+                    std::abs(u * k_width - x) > 0.33f)
+                    row.push_back(image[static_cast<std::size_t>(3 * (y * k_size + column))]);
+            std::ranges::sort(row);
+            const float median = row[row.size() / 2];
+            EXPECT_LT(row.back(), 1.6f * median) << x << ' ' << y;   // 36 where such light is interpolated
+            EXPECT_GT(row.front(), 0.6f * median) << x << ' ' << y;
+        }
+    }
+}
+
 }   // namespace
 }   // namespace gnomon

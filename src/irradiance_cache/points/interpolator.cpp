@@ -77,14 +77,15 @@ void Interpolator::gather_anchors(BatchWork& work)
             const CachePoint& from = *collected.point[i];
             work.queued = work.queued || from.queued;
             const glm::vec3 p = from.position, n = from.normal;
-            // A point that does not exist is infinitely far away, and separated from everything.
-            cell.x[i] = from.exists ? p.x : k_infinity, cell.y[i] = p.y, cell.z[i] = p.z;
+            // A point that holds for nothing around it is infinitely far away, and separated from everything.
+            const bool holds = from.exists && !from.local;
+            cell.x[i] = holds ? p.x : k_infinity, cell.y[i] = p.y, cell.z[i] = p.z;
             cell.nx[i] = n.x, cell.ny[i] = n.y, cell.nz[i] = n.z;
             const float room = k_room * lattice_spacing(from.key);
             const auto free = [&](int way) {   // across the surface that ends it
                 return from.free[way] + room * std::sqrt(1 + from.slope(way) * from.slope(way));
             };
-            cell.low_b[i] = from.exists ? p[b] - free(0) : k_infinity;
+            cell.low_b[i] = holds ? p[b] - free(0) : k_infinity;
             cell.high_b[i] = p[b] + free(1);
             cell.low_c[i] = p[c] - free(2);
             cell.high_c[i] = p[c] + free(3);

@@ -112,8 +112,8 @@ void NearPatches::trace(const CacheFrame& frame)
     if (!passes_.empty()) rays_.find_passing(*frame.rays, passes_.data());
 }
 
-void NearPatches::find(const CacheFrame& frame, const CachePoint& point, std::size_t number,
-                       std::vector<SeenNode>& seen, glm::vec3 (&rest)[3])
+CloseLight NearPatches::find(const CacheFrame& frame, const CachePoint& point, std::size_t number,
+                             std::vector<SeenNode>& seen, glm::vec3 (&rest)[3], float reach)
 {
     const LightTree& tree = frame.lights;
     const patches::SurfacePatches& patches = tree.patch_light()->patches();
@@ -129,17 +129,21 @@ void NearPatches::find(const CacheFrame& frame, const CachePoint& point, std::si
         const patches::PatchId patch = rays_.patch(patches, *frame.rays, r);
         if (patch == patches::k_no_patch || !std::ranges::binary_search(near, tree.node_of(patch))) continue;
         auto met = std::ranges::find(met_, patch, &Met::patch);
-        if (met == met_.end()) met = met_.insert(met_.end(), {patch, 0, glm::vec3(0)});
+        if (met == met_.end()) met = met_.insert(met_.end(), {patch, 0, 0, glm::vec3(0)});
         const float share = (passes_.empty() ? 1 : luminance(passes_[r])) / static_cast<float>(k_rays);
         met->share += share;
+        if (rays_.distance(r) < reach) met->close += share;
         met->direction += direction * (share / std::max(glm::dot(direction, point.normal), k_least_cosine));
     }
     std::fill(rest, rest + 3, glm::vec3(0));
+    CloseLight close;
     for (const Met& met : met_) {
         const NodeId node = tree.node_of(met.patch);
         const glm::vec3 flux = tree.static_flux().at(node);
         if (flux == glm::vec3(0) || !(met.share > 0)) continue;
         const float inverse_area = 1 / patches.patches()[met.patch].area;
+        const float exitance = inverse_area * luminance(flux);
+        close += {met.close * exitance, met.close, (met.share - met.close) * exitance};
         const glm::vec3 to = tree.samples().at(node) - origin;
         const float cosine = glm::dot(to, point.normal) / glm::length(to);
         if (cosine > k_clear_cosine && glm::dot(to, point.horizon) > 0) {
@@ -148,6 +152,7 @@ void NearPatches::find(const CacheFrame& frame, const CachePoint& point, std::si
         }
         for (int colour = 0; colour < 3; ++colour) rest[colour] += (flux[colour] * inverse_area) * met.direction;
     }
+    return close;
 }
 
 }   // namespace gnomon::irradiance_cache

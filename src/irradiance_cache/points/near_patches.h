@@ -19,6 +19,19 @@
 
 namespace gnomon::irradiance_cache {
 
+/// How much of a point's light comes from surfaces close to it.
+struct CloseLight {
+    float irradiance = 0;    // luminance, from less far than some distance
+    float form_factor = 0;   // of the surfaces that it comes from
+    float farther = 0;       // luminance of all other irradiance
+
+    CloseLight& operator+=(const CloseLight& other)
+    {
+        irradiance += other.irradiance, form_factor += other.form_factor, farther += other.farther;
+        return *this;
+    }
+};
+
 /// Holds a thread's scratch memory.
 class NearPatches {
  public:
@@ -41,8 +54,10 @@ class NearPatches {
     /// @param number  that divide() returned
     /// @param seen   appended to: nodes with their weights
     /// @param rest   out: the static light that no node stands for, by colour, as in CachePoint
-    void find(const CacheFrame& frame, const CachePoint& point, std::size_t number, std::vector<SeenNode>& seen,
-              glm::vec3 (&rest)[3]);
+    /// @param reach  scene units
+    /// @return  how much of the light comes from less far than `reach`
+    CloseLight find(const CacheFrame& frame, const CachePoint& point, std::size_t number, std::vector<SeenNode>& seen,
+                    glm::vec3 (&rest)[3], float reach);
 
  private:
     void add_missed(const LightTree& tree, const glm::vec3& origin, std::span<const NodeId> cut, float& near,
@@ -53,6 +68,7 @@ class NearPatches {
     struct Met {
         patches::PatchId patch;
         float share;           // of the rays
+        float close;           // of the rays: those that end within `reach`
         glm::vec3 direction;   // sum over rays, each as long as its share over its cosine
     };
     std::vector<glm::vec3> directions_;

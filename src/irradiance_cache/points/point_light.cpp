@@ -97,10 +97,45 @@ void StaticVisibility::thin_nodes(const CacheFrame& frame)
     }
 }
 
+// Adds the light of the nodes that a point sees, but for its near patches.
+void StaticVisibility::add_close_nodes(const CacheFrame& frame, Added& added) const
+{
+    const CachePoint& point = *added.point;
+    const float reach = k_close * lattice_spacing(point.key);
+    for (const SeenNode seen : seen_) {
+        const NodeId node = seen_node(seen);
+        const glm::vec3 to = frame.lights.samples().at(node) - point.origin();
+        const float distance = glm::length(to);
+        // Irradiance that a unit of flux brings; times area, it is the form factor.
+        const float weight = seen_weight(seen) * glm::dot(to, point.normal) / distance;
+        const float light = weight * luminance(frame.lights.static_flux().at(node));
+        if (node >= frame.lights.first_patch() && distance < reach)
+            added.close += {light, weight * frame.lights.quad(node / 4).area[node % 4], 0};
+        else
+            added.close.farther += light;
+    }
+}
+
+// Finds lattice points whose light is local: much of it comes from patches that are close by, small and far brighter
+// than all that is farther, such as the sliver of ceiling above a luminous plate that is seen past the plate's edge. A
+// spacing away there is nothing of it. At the foot of a wall that is lit like its surroundings, close light is as much,
+// but that of other parts of the wall takes its place.
+void StaticVisibility::find_local()
+{
+    constexpr float k_least = 0.25f;     // of the light
+    constexpr float k_brighter = 4.0f;   // radiance of what is close over that of all else
+    for (const Added& added : added_) {
+        const CloseLight& close = added.close;
+        const float all = close.irradiance + close.farther;
+        added.point->local = close.irradiance > k_least * all && close.irradiance * (1 - close.form_factor) >
+                                                                     k_brighter * close.form_factor * close.farther;
+    }
+}
+
 void StaticVisibility::trace_sky(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters)
 {
     const SkyLight& sky = frame.sky;
-    if (!sky.any()) return;
+    if (!sky.any()) return find_local();
     rays_.clear();
     for (const Added& added : added_)
         for (std::size_t i = 0; i < k_sky_directions; ++i)
@@ -111,7 +146,7 @@ void StaticVisibility::trace_sky(const CacheFrame& frame, const OcclusionTester&
     passes_.resize(thins ? rays_.size() : 0);
     if (thins) frame.rays->let_through(rays_, 0, rays_.size(), passes_.data(), ray::Against::static_only);
     std::size_t next = 0;
-    for (const Added& added : added_) {
+    for (Added& added : added_) {
         CachePoint& point = *added.point;
         point.sky = {};
         for (std::size_t i = 0; i < k_sky_directions; ++i) {
@@ -120,9 +155,11 @@ void StaticVisibility::trace_sky(const CacheFrame& frame, const OcclusionTester&
             if (occluded_[r]) continue;
             point.sky.set(i);
             const glm::vec3 light = thins ? sky.light(i) * passes_[r] : sky.light(i);
+            added.close.farther += luminance(light) * glm::dot(sky.direction(i), point.normal);
             for (int colour = 0; colour < 3; ++colour) point.static_light[colour] += light[colour] * sky.direction(i);
         }
     }
+    find_local();
 }
 
 void PresentLight::clear()

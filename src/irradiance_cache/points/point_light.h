@@ -40,6 +40,7 @@ class StaticVisibility {
     void trace_nodes(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters,
                      const Store& store);
     /// Traces rays to the sky, and adds the light of visible directions to the points' static light.
+    /// Completes the points. @pre trace_nodes() was called
     void trace_sky(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters);
 
  private:
@@ -47,10 +48,14 @@ class StaticVisibility {
 
     struct Added {
         CachePoint* point;
-        std::size_t first;   // of its rays
-        std::size_t near;    // its number among points with near patches, or NearPatches::k_none
+        std::size_t first;    // of its rays
+        std::size_t near;     // its number among points with near patches, or NearPatches::k_none
+        CloseLight close{};   // lattice points
     };
+    void add_close_nodes(const CacheFrame& frame, Added& added) const;
+    void find_local();
     void add_node(const CacheFrame& frame, const CachePoint& point, NodeId node, float weight, float radius);
+    static constexpr float k_close = 1.0f;   // spacings
     std::vector<Added> added_;
     NearPatches near_;
     NearOfPoints near_field_;
@@ -118,8 +123,10 @@ void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTeste
         for (std::size_t r = added_[a].first; r < last; ++r)
             if (!occluded_[r]) seen_.push_back(pack_seen(nodes_[r], weights_[r]));
         CachePoint& point = *added_[a].point;
-        const bool near = added_[a].near != NearPatches::k_none;
-        if (near) near_.find(frame, point, added_[a].near, seen_, rest);
+        const bool near = added_[a].near != NearPatches::k_none, lattice = is_lattice(point.key);
+        if (lattice) add_close_nodes(frame, added_[a]);
+        const float reach = lattice ? k_close * lattice_spacing(point.key) : 0;
+        if (near) added_[a].close += near_.find(frame, point, added_[a].near, seen_, rest, reach);
         store(point, std::span<const SeenNode>(seen_));
         for (int colour = 0; near && colour < 3; ++colour) point.static_light[colour] += rest[colour];
         counters.nodes += seen_.size();
