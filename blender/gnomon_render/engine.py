@@ -86,6 +86,7 @@ class GnomonRenderEngine(bpy.types.RenderEngine):
         try:
             layer.render(depsgraph)
         except Exception as error:
+            layer.store_nothing(depsgraph)
             self._fail(error)
         if not depsgraph.scene.render.use_persistent_data:
             layer.close()

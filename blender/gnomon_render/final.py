@@ -2,6 +2,8 @@
 """Final renders of one view layer, frame after frame."""
 from __future__ import annotations
 
+import threading
+from concurrent.futures import ThreadPoolExecutor, wait
 from typing import Any, Optional
 
 import bpy
@@ -11,7 +13,11 @@ import numpy as np
 from . import passes, units
 from .cameras import MadeCamera, read_camera, render_region, render_size
 from .properties import render_options
-from .sync import Changes, SceneSync, Updates
+from .parts import Changes, Updates
+from .sync import SceneSync
+
+_ANSWER_SECONDS = 0.05
+"""How often progress is shown, and Escape is looked for."""
 
 
 class LayerRender:
@@ -21,6 +27,7 @@ class LayerRender:
         self.engine = engine
         self.sync = SceneSync(engine.warn, may_change=False)
         self.renderer: Any = None
+        self._thread = ThreadPoolExecutor(1, "gnomon")
         self.frame: Any = None
         """The last frame, for tests."""
         self._depsgraph: Optional[int] = None
@@ -30,6 +37,7 @@ class LayerRender:
 
     def close(self) -> None:
         self.frame = None
+        self._thread.shutdown()
         if self.renderer is not None:
             self.renderer.close()
             self.renderer = None
@@ -138,17 +146,34 @@ class LayerRender:
             self.renderer.set_options(options)
         changes = self._changes
         render = depsgraph.scene_eval.render
-        frame = self.renderer.render(
+        frame = self._wait(
             self.sync.scene, time=number * render.fps_base / render.fps, camera=camera.camera(),
             transforms=changes.transforms, visibility=changes.visibility, vertices=changes.vertices, lights=changes.lights,
-            materials=changes.materials, closing=closing, progress=self._progress)
+            materials=changes.materials, closing=closing)
         self._changes = Changes()
         return frame
 
-    def _progress(self, stage: str, done: float) -> bool:
-        self.engine.update_progress(done)
-        self.engine.update_stats("", f"Gnomon: {stage}")
-        return not self.engine.test_break()
+    def _wait(self, scene, **frame):
+        """Renders in a thread of its own, because Blender must be told of progress by the thread that it has called."""
+        told = ["", 0.0]
+        stops = threading.Event()
+
+        def progress(stage: str, done: float) -> bool:
+            told[:] = stage, done
+            return not stops.is_set()
+
+        work = self._thread.submit(self.renderer.render, scene, progress=progress, **frame)
+        while not wait((work,), _ANSWER_SECONDS).done:
+            self.engine.update_stats("", f"Gnomon: {told[0]}")
+            self.engine.update_progress(told[1])
+            if self.engine.test_break():
+                stops.set()
+        return work.result()
+
+    def store_nothing(self, depsgraph) -> None:
+        """Leaves an empty image, because Blender may write it to a file all the same."""
+        self.engine.end_result(self.engine.begin_result(0, 0, *render_size(depsgraph.scene_eval.render),
+                                                        layer=depsgraph.view_layer.name))
 
     def _store(self, depsgraph, at: tuple, size: tuple) -> None:
         layer_name = depsgraph.view_layer.name

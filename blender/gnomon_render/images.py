@@ -44,7 +44,7 @@ class Mapping:
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
+class ImageMap:
     """An image as a material uses it: linear RGBA, its rows from the top."""
 
     pixels: np.ndarray
@@ -53,7 +53,7 @@ class Picture:
     key: tuple
     """Equal for equal pixels."""
 
-    def channel(self, index: int, name: str) -> Picture:
+    def channel(self, index: int, name: str) -> ImageMap:
         """One channel as a grey image."""
         grey = np.repeat(self.pixels[..., index:index + 1], 4, axis=-1)
         return replace(self, pixels=grey, key=(*self.key, name))
@@ -72,10 +72,10 @@ class ImageCache:
         for key in [key for key in self._pixels if key[0] == name]:
             del self._pixels[key]
 
-    def picture(self, image, mapping: Mapping, frame: int) -> Optional[Picture]:
+    def image_map(self, image, mapping: Mapping, frame: int) -> Optional[ImageMap]:
         """The image at a frame; None if it has no pixels.
 
-        Image sequences and films are read as the dependency graph has set them."""
+        Image sequences and videos are read as the dependency graph has set them."""
         moving = image.source in {"SEQUENCE", "MOVIE"}
         key = (image.name_full, frame if moving else 0)
         if key not in self._pixels:
@@ -84,7 +84,7 @@ class ImageCache:
                 self.forget(image.name_full)
             self._pixels[key] = pixels
         pixels = self._pixels[key]
-        return None if pixels is None else Picture(pixels, mapping, key)
+        return None if pixels is None else ImageMap(pixels, mapping, key)
 
 
 def read(image) -> Optional[np.ndarray]:
@@ -111,11 +111,11 @@ def read(image) -> Optional[np.ndarray]:
     return pixels
 
 
-def bytes_of(picture: Picture, srgb: bool, alpha: bool) -> np.ndarray:
+def bytes_of(image_map: ImageMap, srgb: bool, alpha: bool) -> np.ndarray:
     """(height, width, 3 or 4): the values as textures store them."""
-    color = picture.pixels[..., :3]
+    color = image_map.pixels[..., :3]
     color = to_srgb(color) if srgb else np.clip(color, 0, 1)
-    values = np.concatenate([color, np.clip(picture.pixels[..., 3:], 0, 1)], axis=-1) if alpha else color
+    values = np.concatenate([color, np.clip(image_map.pixels[..., 3:], 0, 1)], axis=-1) if alpha else color
     return np.ascontiguousarray(np.round(values * 255).astype(np.uint8))
 
 

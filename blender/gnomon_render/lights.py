@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lamps of Blender as lights of Gnomon."""
+"""Lights of Blender as lights of Gnomon."""
 from __future__ import annotations
 
 import math
@@ -31,7 +31,7 @@ class MadeLight:
 
 
 def _emission(light, evaluator: Evaluator) -> np.ndarray:
-    """What the nodes of a lamp multiply its power by."""
+    """What the nodes of a light multiply its power by."""
     if not light.use_nodes or light.node_tree is None:
         return np.ones(3)
     end = light.node_tree.get_output_node("CYCLES") or light.node_tree.get_output_node("ALL")
@@ -51,7 +51,7 @@ def _emission(light, evaluator: Evaluator) -> np.ndarray:
 
 
 def read_light(light, evaluator: Evaluator, warn: Callable[[str], None]) -> Optional[MadeLight]:
-    """What a lamp is in Gnomon; None: it gives no light."""
+    """What a light is in Gnomon; None: it gives no light."""
     color = np.array(light.color) * _emission(light, evaluator)
     watts = float(light.energy)
     if watts < 0 or (color < 0).any():

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Materials: node trees of surfaces in terms of glTF's metallic-roughness model and its extensions.
 
-Each shader node gives a Surface, whose members are constants or pictures. Mixes of surfaces mix their members, which is
+Each shader node gives a Surface, whose members are constants or image_maps. Mixes of surfaces mix their members, which is
 exact for colours of one kind of surface, for emission and for transparency, and an approximation otherwise.
 """
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any, Optional
 import numpy as np
 
 from .geometry import Layers
-from .images import ImageCache, Picture
+from .images import ImageCache, ImageMap
 from .nodes import Evaluator, LUMA, Value, apply, constant, followed
 from .units import LUMENS_PER_WATT
 
@@ -57,7 +57,7 @@ class Made:
     """A material as Gnomon has it, and what it reads of meshes."""
 
     values: dict
-    """Members of gnomon.Material; pictures in place of textures."""
+    """Members of gnomon.Material; image maps in place of textures."""
     layers: Layers
     warnings: list
     animated: bool = False
@@ -98,7 +98,7 @@ class ShaderReader:
                 self.at.warn(f"a normal map in {source.space.lower()} space is left out")
                 return into
             value = self.at.value(source.inputs["Color"])
-            if isinstance(value, Picture):
+            if isinstance(value, ImageMap):
                 into.normal, into.normal_scale = value, self.at.scalar(source.inputs["Strength"])
         elif source.type == "BUMP":
             self._bump(source, into)
@@ -273,7 +273,7 @@ class ShaderReader:
         if name not in node.inputs:
             return False
         value = self.at.number(node.inputs[name])
-        return isinstance(value, Picture) or bool(value[:3].any())
+        return isinstance(value, ImageMap) or bool(value[:3].any())
 
 
 def _tinted(specular, share, base):
@@ -286,7 +286,7 @@ def _kept(surface: Surface) -> np.ndarray:
     """What must be equal for a mix of colours to be exact."""
     names = ("metallic", "roughness", "specular", "transmission", "coat", "ior")
     values = [getattr(surface, name) for name in names]
-    return np.array([np.nan if isinstance(v, Picture) else float(v[0]) for v in values])
+    return np.array([np.nan if isinstance(v, ImageMap) else float(v[0]) for v in values])
 
 
 def read_material(material, images: ImageCache, frame: int) -> Made:
@@ -319,75 +319,75 @@ def read_material(material, images: ImageCache, frame: int) -> Made:
 
 
 class _Writer:
-    """Turns a surface into the values of gnomon.Material, with (Picture, texcoord, srgb) in place of textures."""
+    """Turns a surface into the values of gnomon.Material, with (ImageMap, texcoord, srgb) in place of textures."""
 
     def __init__(self, warn: Callable[[str], None]) -> None:
         self.warn = warn
         self.uvs: list = []
 
-    def texture(self, picture: Picture, srgb: bool, alpha: bool = False) -> tuple:
-        name = picture.mapping.uv
+    def texture(self, image_map: ImageMap, srgb: bool, alpha: bool = False) -> tuple:
+        name = image_map.mapping.uv
         if name not in self.uvs:
             if len(self.uvs) == 2:
                 self.warn("more than two layers of texture coordinates: the others are read in place of the third")
-                return picture, 0, srgb, alpha
+                return image_map, 0, srgb, alpha
             self.uvs.append(name)
-        return picture, self.uvs.index(name), srgb, alpha
+        return image_map, self.uvs.index(name), srgb, alpha
 
     def scalar(self, value: Value, what: str) -> float:
-        if isinstance(value, Picture):
+        if isinstance(value, ImageMap):
             self.warn(f"the image of {what} is taken as its mean")
             return float(np.clip(value.mean()[0], 0, 1))
         return float(np.clip(value[0], 0, 1))
 
     def colored(self, value: Value, scale: float = 1.0, highest: Optional[float] = 1.0) -> tuple:
-        """(factor, picture or None) of a colour: pixels beyond 1 are scaled into the factor."""
-        if not isinstance(value, Picture):
+        """(factor, image map or None) of a colour: pixels beyond 1 are scaled into the factor."""
+        if not isinstance(value, ImageMap):
             color = np.maximum(value[:3], 0) * scale
             return tuple(float(c) for c in (color if highest is None else np.minimum(color, highest))), None
         most = float(max(value.pixels[..., :3].max(), 1.0)) if highest is None else 1.0
         if most > 1:
             pixels = value.pixels.copy()
             pixels[..., :3] /= most
-            value = Picture(pixels, value.mapping, (*value.key, "scaled"))
+            value = ImageMap(pixels, value.mapping, (*value.key, "scaled"))
         return (most * scale,) * 3, value
 
     def values(self, s: Surface, name: str, culls: bool) -> dict:
-        base, picture = self.colored(s.base)
+        base, image_map = self.colored(s.base)
         values: dict = {"name": name, "base_color": base, "double_sided": not culls, "layers": {}}
-        alpha_picture = s.alpha if isinstance(s.alpha, Picture) else None
-        if picture is not None or alpha_picture is not None:
-            values["base_color_texture"] = self.texture(self._with_alpha(picture, alpha_picture), True,
-                                                        alpha_picture is not None)
-        values["alpha"] = 1.0 if alpha_picture is not None else float(np.clip(s.alpha[0], 0, 1))
-        if alpha_picture is not None or values["alpha"] < 1:
+        alpha_map = s.alpha if isinstance(s.alpha, ImageMap) else None
+        if image_map is not None or alpha_map is not None:
+            values["base_color_texture"] = self.texture(self._with_alpha(image_map, alpha_map), True,
+                                                        alpha_map is not None)
+        values["alpha"] = 1.0 if alpha_map is not None else float(np.clip(s.alpha[0], 0, 1))
+        if alpha_map is not None or values["alpha"] < 1:
             values["alpha_mode"] = "blend"
         self._metal(s, values)
         if s.normal is not None:
             values["normal_texture"] = self.texture(s.normal, False)
             values["normal_scale"] = s.normal_scale
-        glow, glow_picture = self.colored(s.emission, LUMENS_PER_WATT, None)
+        glow, glow_map = self.colored(s.emission, LUMENS_PER_WATT, None)
         values["emissive"] = glow
-        if glow_picture is not None:
-            values["emissive_texture"] = self.texture(glow_picture, True)
+        if glow_map is not None:
+            values["emissive_texture"] = self.texture(glow_map, True)
         self._layers(s, values)
         return values
 
-    def _with_alpha(self, picture: Optional[Picture], alpha: Optional[Picture]) -> Picture:
+    def _with_alpha(self, image_map: Optional[ImageMap], alpha: Optional[ImageMap]) -> ImageMap:
         if alpha is None:
-            assert picture is not None
-            return picture
+            assert image_map is not None
+            return image_map
 
         def join(color, cover):
             c, a = np.broadcast_arrays(color, cover)
             return np.concatenate([c[..., :3], a[..., :1]], axis=-1)
 
-        joined = apply(join, ("alpha",), picture if picture is not None else constant((1, 1, 1, 1)), alpha)
-        assert isinstance(joined, Picture)
+        joined = apply(join, ("alpha",), image_map if image_map is not None else constant((1, 1, 1, 1)), alpha)
+        assert isinstance(joined, ImageMap)
         return joined
 
     def _metal(self, s: Surface, values: dict) -> None:
-        if not isinstance(s.metallic, Picture) and not isinstance(s.roughness, Picture):
+        if not isinstance(s.metallic, ImageMap) and not isinstance(s.roughness, ImageMap):
             values["metallic"], values["roughness"] = self.scalar(s.metallic, "metallic"), self.scalar(s.roughness, "roughness")
             return
 
@@ -402,20 +402,20 @@ class _Writer:
     def _layers(self, s: Surface, values: dict) -> None:
         layers: dict = values["layers"]
         specular = self.scalar(s.specular, "specular")
-        tint = np.array(s.specular_tint.mean()) if isinstance(s.specular_tint, Picture) else s.specular_tint
-        if isinstance(s.specular_tint, Picture):
+        tint = np.array(s.specular_tint.mean()) if isinstance(s.specular_tint, ImageMap) else s.specular_tint
+        if isinstance(s.specular_tint, ImageMap):
             self.warn("the image of specular is taken as its mean")
         if specular != 1 or not np.array_equal(tint[:3], np.ones(3)):
             layers["specular"] = specular
             layers["specular_color"] = tuple(float(max(c, 0)) for c in tint[:3])
         values["transmission"] = self.scalar(s.transmission, "transmission")
-        ior = s.ior.mean()[0] if isinstance(s.ior, Picture) else float(s.ior[0])
+        ior = s.ior.mean()[0] if isinstance(s.ior, ImageMap) else float(s.ior[0])
         values["ior"] = float(np.clip(ior, 1, 100))
         coat = self.scalar(s.coat, "clearcoat")
         if coat > 0:
             layers["clearcoat"] = coat
             layers["clearcoat_roughness"] = self.scalar(s.coat_roughness, "clearcoat roughness")
-        sheen = np.array(s.sheen.mean()) if isinstance(s.sheen, Picture) else s.sheen
+        sheen = np.array(s.sheen.mean()) if isinstance(s.sheen, ImageMap) else s.sheen
         if sheen[:3].any():
             layers["sheen_color"] = tuple(float(np.clip(c, 0, 1)) for c in sheen[:3])
             layers["sheen_roughness"] = 0.5

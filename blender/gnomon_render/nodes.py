@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Values of node sockets: constants, and images with simple operations on them.
 
-A socket has a constant, or a picture: the pixels of an image after what nodes between it and the socket do to them. Nodes
+A socket has a constant, or an image map: the pixels of an image after what nodes between it and the socket do to them. Nodes
 that compute patterns from coordinates have no image; their sockets are approximated by a constant, with a warning.
 """
 from __future__ import annotations
@@ -13,10 +13,10 @@ from typing import Any, Optional, Union
 
 import numpy as np
 
-from .images import ImageCache, Mapping, Picture, resized
+from .images import ImageCache, Mapping, ImageMap, resized
 
-Value = Union[np.ndarray, Picture]
-"""(4,) of float: a linear colour with alpha, or a number in all channels; or a picture."""
+Value = Union[np.ndarray, ImageMap]
+"""(4,) of float: a linear colour with alpha, or a number in all channels; or an image map."""
 
 LUMA = np.array([0.2126, 0.7152, 0.0722])
 
@@ -49,21 +49,21 @@ def followed(socket) -> tuple:
 
 
 def apply(operation: Callable, key: tuple, *values: Value) -> Value:
-    """An operation on colours, for constants and pictures. Pictures with other coordinates than the first one's cannot
+    """An operation on colours, for constants and images. Images with other coordinates than the first one's cannot
     be combined with it, and count as their mean."""
-    pictures = [value for value in values if isinstance(value, Picture)]
-    if not pictures:
+    image_maps = [value for value in values if isinstance(value, ImageMap)]
+    if not image_maps:
         return np.asarray(operation(*values), dtype=float)
-    first = pictures[0]
-    height = max(p.pixels.shape[0] for p in pictures if p.mapping == first.mapping)
-    width = max(p.pixels.shape[1] for p in pictures if p.mapping == first.mapping)
+    first = image_maps[0]
+    height = max(p.pixels.shape[0] for p in image_maps if p.mapping == first.mapping)
+    width = max(p.pixels.shape[1] for p in image_maps if p.mapping == first.mapping)
     arguments, keys = [], []
     for value in values:
-        if isinstance(value, Picture) and value.mapping == first.mapping:
+        if isinstance(value, ImageMap) and value.mapping == first.mapping:
             arguments.append(resized(value.pixels, height, width))
             keys.append(value.key)
         else:
-            plain = np.array(value.mean()) if isinstance(value, Picture) else value
+            plain = np.array(value.mean()) if isinstance(value, ImageMap) else value
             arguments.append(plain)
             keys.append(tuple(np.round(plain, 9)))
     pixels = np.broadcast_to(operation(*arguments), (height, width, 4)).astype(np.float32)
@@ -143,16 +143,16 @@ class Evaluator:
         return value
 
     def plain(self, socket) -> np.ndarray:
-        """The value of an input that must be a constant; a picture counts as its mean."""
+        """The value of an input that must be a constant; an image map counts as its mean."""
         value = self.value(socket)
-        if isinstance(value, Picture):
+        if isinstance(value, ImageMap):
             self.warn(f"the image of '{socket.name}' is taken as its mean")
             return np.array(value.mean())
         return value
 
     def scalar(self, socket) -> float:
         value = self.number(socket)
-        if isinstance(value, Picture):
+        if isinstance(value, ImageMap):
             self.warn(f"the image of '{socket.name}' is taken as its mean")
             value = np.array(value.mean())
         return float(value[0])
@@ -192,11 +192,11 @@ class Evaluator:
             return constant((0, 0, 0, 1))
         if node.projection != "FLAT":
             self.warn(f"the image '{image.name}' is not projected flat, and laid out by texture coordinates")
-        picture = self.images.picture(image, self.mapping(node), self.frame)
-        if picture is None:
+        image_map = self.images.image_map(image, self.mapping(node), self.frame)
+        if image_map is None:
             self.warn(f"the image '{image.name}' cannot be read")
             return constant((1, 0, 1, 1))
-        return picture.channel(3, "alpha") if out.name == "Alpha" else picture
+        return image_map.channel(3, "alpha") if out.name == "Alpha" else image_map
 
     def _vertex_color(self, node, out) -> Value:
         if out.name == "Alpha":
@@ -313,7 +313,7 @@ class Evaluator:
         return apply(_grey, ("grey",), self.value(node.inputs[0]))
 
     def _part(self, value: Value, index: int) -> Value:
-        if isinstance(value, Picture):
+        if isinstance(value, ImageMap):
             return value.channel(index, f"channel {index}")
         return constant(float(value[index]))
 

@@ -71,9 +71,9 @@ class GNOMON_RENDER_PT_motion_blur(_Panel, bpy.types.Panel):
         layout.prop(render, "motion_blur_shutter")
 
 
-class GNOMON_RENDER_PT_film(_Panel, bpy.types.Panel):
+class GNOMON_RENDER_PT_background(_Panel, bpy.types.Panel):
     bl_context = "render"
-    bl_label = "Film"
+    bl_label = "Background"
 
     def draw(self, context) -> None:
         self.layout.use_property_split = True
@@ -114,12 +114,12 @@ class GNOMON_VIEWLAYER_PT_passes(_Panel, bpy.types.Panel):
             column.prop(context.view_layer, name)
 
 
-CLASSES = (GNOMON_RENDER_PT_sampling, GNOMON_RENDER_PT_light, GNOMON_RENDER_PT_motion_blur, GNOMON_RENDER_PT_film,
+CLASSES = (GNOMON_RENDER_PT_sampling, GNOMON_RENDER_PT_light, GNOMON_RENDER_PT_motion_blur, GNOMON_RENDER_PT_background,
            GNOMON_RENDER_PT_performance, GNOMON_VIEWLAYER_PT_passes)
 
 
 def _shared_panels() -> list:
-    """Blender's own panels that suit any engine: those that the built-in one has, and Cycles' panels of lamps, materials
+    """Blender's own panels that suit any engine: those that the built-in one has, and Cycles' panels of lights, materials
     and worlds, whose settings are Blender's."""
     found = []
     for name in dir(bpy.types):

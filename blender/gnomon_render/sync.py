@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import Any, Optional
 
 import gnomon
@@ -20,110 +19,10 @@ from .images import ImageCache, bytes_of
 from .materials import Made, read_material
 from .mobility import Mobility
 from .nodes import Evaluator
+from .parts import Changes, InstancePart, LightPart, MaterialPart, MeshPart, Updates
 
 _HIDDEN_PARTS = 1024
 """Hidden instances that are kept, and shown again without another scene; beyond, they are removed."""
-
-
-@dataclass
-class _MaterialPart:
-    id: Any
-    made: Made
-    signature: tuple
-    textures: set
-
-
-@dataclass
-class _MeshPart:
-    id: Any
-    topology: bytes
-    shape: bytes
-    deforms: bool
-    vertices: Optional[gnomon.Vertices] = None
-    """Those in force, if it deforms."""
-    users: set = field(default_factory=set)
-
-    def holds(self, made: geometry.Geometry) -> bool:
-        return made.topology() == self.topology and made.shape() == self.shape
-
-
-@dataclass
-class _InstancePart:
-    id: Any
-    mesh: tuple
-    source: str
-    """The object, by name."""
-    matrix: np.ndarray
-    visible: bool = True
-
-
-@dataclass
-class _LightPart:
-    node: Any
-    made: lights.MadeLight
-    fixed: tuple
-    light: Any = None
-    material: Any = None
-    matrix: Optional[np.ndarray] = None
-    visible: bool = True
-
-
-@dataclass
-class Changes:
-    """What the next frame hands over to the renderer."""
-
-    transforms: dict = field(default_factory=dict)
-    visibility: dict = field(default_factory=dict)
-    vertices: dict = field(default_factory=dict)
-    lights: dict = field(default_factory=dict)
-    materials: dict = field(default_factory=dict)
-
-    def each(self) -> tuple:
-        return self.transforms, self.visibility, self.vertices, self.lights, self.materials
-
-    def count(self) -> int:
-        return sum(len(each) for each in self.each())
-
-    def drop(self, removed: set) -> None:
-        """Forgets what belongs to parts that are gone."""
-        for values in self.each():
-            for key in [key for key in values if key in removed]:
-                del values[key]
-
-
-@dataclass
-class Updates:
-    """Names of what a dependency graph has evaluated again; None in place of them: everything."""
-
-    transforms: set = field(default_factory=set)
-    geometry: set = field(default_factory=set)
-    shading: set = field(default_factory=set)
-    images: set = field(default_factory=set)
-    world: bool = False
-    everything: bool = False
-
-    @classmethod
-    def of(cls, depsgraph) -> Updates:
-        made = cls()
-        for update in depsgraph.updates:
-            block = update.id
-            kind, name = type(block).__name__, block.name_full
-            if kind == "Object":
-                if update.is_updated_transform:
-                    made.transforms.add(name)
-                if update.is_updated_geometry:
-                    made.geometry.add(("Object", name))
-                if update.is_updated_shading:
-                    made.shading.add(name)
-            elif kind == "World":
-                made.world = True
-            elif kind == "Image":
-                made.images.add(name)
-            elif kind in {"Material", "PointLight", "SpotLight", "SunLight", "AreaLight"}:
-                made.shading.add(name)
-            elif update.is_updated_geometry:
-                made.geometry.add(("Data", name))
-        return made
 
 
 class SceneSync:
@@ -269,7 +168,7 @@ class SceneSync:
             part.made, part.signature, part.textures = made, signature, textures
         self._remove_textures()
 
-    def _reads(self, part: _MaterialPart, images: set) -> bool:
+    def _reads(self, part: MaterialPart, images: set) -> bool:
         return bool(images) and any(key[0] in images for key in part.textures)
 
     def _read_material(self, block, name: str) -> Made:
@@ -278,12 +177,12 @@ class SceneSync:
             self.warn(f"material '{name or 'default'}': {warning}")
         return made
 
-    def _material(self, block, hidden: bool) -> _MaterialPart:
+    def _material(self, block, hidden: bool) -> MaterialPart:
         key = (block.name_full if block is not None else "", hidden)
         if key not in self._materials:
             made = self._read_material(block, key[0])
             material, textures, _ = self._to_gnomon(made, hidden)
-            self._materials[key] = _MaterialPart(self.builder.material(material), made, _signature(made), textures)
+            self._materials[key] = MaterialPart(self.builder.material(material), made, _signature(made), textures)
             self._change_builder()
         return self._materials[key]
 
@@ -295,13 +194,13 @@ class SceneSync:
         for name, value in made.values.items():
             if not name.endswith("_texture"):
                 continue
-            picture, texcoord, srgb, alpha = value
-            mapping = picture.mapping
-            key = (*picture.key, srgb, alpha, mapping.wrap, mapping.filter)
+            image_map, texcoord, srgb, alpha = value
+            mapping = image_map.mapping
+            key = (*image_map.key, srgb, alpha, mapping.wrap, mapping.filter)
             if key not in self._textures:
                 self._textures[key] = self.builder.texture(
-                    bytes_of(picture, srgb, alpha), srgb=srgb, wrap_u=mapping.wrap, wrap_v=mapping.wrap,
-                    magnify=mapping.filter, minify=mapping.filter, name=str(picture.key[0]))
+                    bytes_of(image_map, srgb, alpha), srgb=srgb, wrap_u=mapping.wrap, wrap_v=mapping.wrap,
+                    magnify=mapping.filter, minify=mapping.filter, name=str(image_map.key[0]))
                 added = True
                 self._change_builder()
             textures.add(key)
@@ -353,7 +252,7 @@ class SceneSync:
             changes.visibility[part.id] = True
         return True
 
-    def _add_instance(self, key: tuple, mesh_key: tuple, mesh: _MeshPart, ob, matrix: np.ndarray, is_instance: bool,
+    def _add_instance(self, key: tuple, mesh_key: tuple, mesh: MeshPart, ob, matrix: np.ndarray, is_instance: bool,
                       changes: Changes) -> None:
         mobility = "fixed"
         if mesh.deforms:
@@ -361,7 +260,7 @@ class SceneSync:
         elif self.may_change or is_instance and self._instancer_moves(key) or self.mobility.moves(ob.original):
             mobility = "may_move"
         added = self.builder.instance(mesh.id, None, matrix, mobility=mobility, name=ob.name_full)
-        self._instances[key] = _InstancePart(added, mesh_key, ob.name_full, matrix)
+        self._instances[key] = InstancePart(added, mesh_key, ob.name_full, matrix)
         mesh.users.add(key)
         if mesh.vertices is not None:
             changes.vertices[added] = mesh.vertices
@@ -401,7 +300,7 @@ class SceneSync:
             return "Object", ob.name_full, data.name_full if data is not None else "", names, hidden
         return "Data", data.name_full, "", names, hidden
 
-    def _mesh(self, key: tuple, ob, updates: Updates, changes: Changes) -> Optional[_MeshPart]:
+    def _mesh(self, key: tuple, ob, updates: Updates, changes: Changes) -> Optional[MeshPart]:
         """The mesh as it is now, whose users have it; None: the object has no surface."""
         part = self._meshes.get(key)
         if key in self._done:
@@ -438,17 +337,17 @@ class SceneSync:
                 changes.vertices[self._instances[user].id] = part.vertices
         return part
 
-    def _add_again(self, key: tuple, mesh_key: tuple, mesh: _MeshPart, old: _InstancePart) -> None:
+    def _add_again(self, key: tuple, mesh_key: tuple, mesh: MeshPart, old: InstancePart) -> None:
         mobility = "may_deform" if mesh.deforms else "may_move"
         added = self.builder.instance(mesh.id, None, old.matrix, mobility=mobility, name=old.source)
-        self._instances[key] = _InstancePart(added, mesh_key, old.source, old.matrix)
+        self._instances[key] = InstancePart(added, mesh_key, old.source, old.matrix)
         mesh.users.add(key)
 
     def _remove_mesh(self, key: tuple) -> None:
         for user in list(self._meshes[key].users):
             self._remove_instance(user)
 
-    def _add_mesh(self, key: tuple, made: geometry.Geometry, ob) -> _MeshPart:
+    def _add_mesh(self, key: tuple, made: geometry.Geometry, ob) -> MeshPart:
         parts = []
         for slot, count in made.runs:
             block = self._slot_materials[min(slot, len(self._slot_materials) - 1)]
@@ -460,7 +359,7 @@ class SceneSync:
                                   name=key[1], **uvs)
         self._change_builder()
         first = gnomon.Vertices(made.positions, made.normals) if made.deforms else None
-        part = self._meshes[key] = _MeshPart(added, made.topology(), made.shape(), made.deforms, first)
+        part = self._meshes[key] = MeshPart(added, made.topology(), made.shape(), made.deforms, first)
         return part
 
     def _extract(self, ob, key: tuple, deforms: bool) -> Optional[geometry.Geometry]:
@@ -517,10 +416,10 @@ class SceneSync:
             part.visible = True
             changes.visibility[part.node] = True
 
-    def _add_light(self, made: lights.MadeLight, fixed: tuple, place: np.ndarray, ob) -> _LightPart:
+    def _add_light(self, made: lights.MadeLight, fixed: tuple, place: np.ndarray, ob) -> LightPart:
         mobility = "may_move" if self.may_change or self.mobility.moves(ob.original) else "fixed"
         node = self.builder.node(place, mobility=mobility, name=ob.name_full)
-        part = _LightPart(node, made, fixed, matrix=place)
+        part = LightPart(node, made, fixed, matrix=place)
         if made.kind == "light":
             part.light = self.builder.light(gnomon.Light(**made.values), parent=node)
         else:
@@ -571,9 +470,9 @@ class SceneSync:
         return found
 
     def light_channels(self) -> list:
-        """The channels of the layer of shadows that belong to lamps."""
-        lamps = {part.light for part in self._lights.values() if part.light is not None and part.visible}
-        return [index for index, light in enumerate(self.scene.lights) if light in lamps]
+        """The channels of the layer of shadows that belong to lights."""
+        lights = {part.light for part in self._lights.values() if part.light is not None and part.visible}
+        return [index for index, light in enumerate(self.scene.lights) if light in lights]
 
     def close(self) -> None:
         self.builder.close()
@@ -596,7 +495,7 @@ def _signature(made: Made) -> tuple:
     values = []
     for name, value in sorted(made.values.items()):
         if name.endswith("_texture"):
-            picture, *use = value
-            value = (picture.key, picture.mapping, tuple(use))
+            image_map, *use = value
+            value = (image_map.key, image_map.mapping, tuple(use))
         values.append((name, repr(value)))
     return tuple(values), made.layers

@@ -17,7 +17,8 @@ from . import units
 from .cameras import MadeCamera, view_camera
 from .passes import combined
 from .properties import render_options
-from .sync import Changes, SceneSync, Updates
+from .parts import Changes, Updates
+from .sync import SceneSync
 
 
 class ProgressiveRender:

@@ -46,9 +46,9 @@ def read_world(world, images: ImageCache, frame: int, warn: Callable[[str], None
     if source is not None and source.type == "TEX_ENVIRONMENT" and source.image is not None:
         if source.projection != "EQUIRECTANGULAR":
             warn("an environment image that is a mirror ball is taken as equirectangular")
-        picture = images.picture(source.image, Mapping(), frame)
-        if picture is not None:
-            turned = _turned(picture.pixels[..., :3], _rotation(source, evaluator))
+        image_map = images.image_map(source.image, Mapping(), frame)
+        if image_map is not None:
+            turned = _turned(image_map.pixels[..., :3], _rotation(source, evaluator))
             return MadeWorld(np.ascontiguousarray(turned * (strength * LUMENS_PER_WATT), dtype=np.float32))
         warn(f"the image '{source.image.name}' cannot be read")
     if source is not None and source.type == "TEX_SKY":

@@ -4,7 +4,7 @@ cloth that waves, for 48 frames.
 
     blender -b --factory-startup -P examples/blender/courtyard.py -- courtyard.blend [--detail N]
 
-Most of it stands still. The sun and a few lamps light it, and a sky from an image beside the .blend."""
+Most of it stands still. The sun and a few lights light it, and a sky from an image beside the .blend."""
 from __future__ import annotations
 
 import argparse
@@ -159,9 +159,9 @@ def light_and_camera(folder: str) -> None:
     sun.data.energy, sun.data.color, sun.data.angle = 3.0, (1, 0.93, 0.8), 0
     scene.collection.objects.link(sun)
     for index, place in enumerate(((-4, 4, 2.6), (3.5, 5, 2.6))):
-        lamp = bpy.data.objects.new(f"lamp {index}", bpy.data.lights.new(f"lamp {index}", "POINT"))
-        lamp.location, lamp.data.energy, lamp.data.color, lamp.data.shadow_soft_size = place, 60, (1, 0.7, 0.4), 0
-        scene.collection.objects.link(lamp)
+        light = bpy.data.objects.new(f"light {index}", bpy.data.lights.new(f"light {index}", "POINT"))
+        light.location, light.data.energy, light.data.color, light.data.shadow_soft_size = place, 60, (1, 0.7, 0.4), 0
+        scene.collection.objects.link(light)
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
     scene.collection.objects.link(camera)
     scene.camera = camera

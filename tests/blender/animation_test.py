@@ -17,7 +17,7 @@ def keyed(block, path: str, values: dict, index: int = -1) -> None:
 
 
 def make_stage():
-    """A floor, a ball that rolls, a flag that waves, instances that turn, a lamp that dims, paint that changes."""
+    """A floor, a ball that rolls, a flag that waves, instances that turn, a light that dims, paint that changes."""
     scene = new_scene((48, 32))
     add_plane(12, diffuse(), "floor")
     ball = add_ball((-1.5, 0, 0.5), 0.5, shader("paint", "ShaderNodeBsdfPrincipled", Base_Color=(0.7, 0.2, 0.1, 1)))
@@ -36,8 +36,8 @@ def make_stage():
     cube.parent, ring.instance_type, ring.show_instancer_for_render = ring, "VERTS", False
     ring.location = (0, 0, 1.8)
     keyed(ring, "rotation_euler", {1: 0.0, 5: 1.0}, 2)
-    lamp = add_light("POINT", (2, -2, 4), energy=400, shadow_soft_size=0)
-    keyed(lamp.data, "energy", {1: 400.0, 5: 200.0})
+    light = add_light("POINT", (2, -2, 4), energy=400, shadow_soft_size=0)
+    keyed(light.data, "energy", {1: 400.0, 5: 200.0})
     color = bpy.data.materials["paint"].node_tree.nodes["Principled BSDF"].inputs["Roughness"]
     keyed(color, "default_value", {1: 0.2, 5: 0.9})
     gone = add_ball((1.5, -1, 0.3), 0.3, name="gone")
@@ -88,7 +88,7 @@ class Remembered(unittest.TestCase):
             animate(3)
         finally:
             final.LayerRender._render = render_
-        # Ball, flag, four instances, lamp, paint, and what vanishes.
+        # Ball, flag, four instances, light, paint, and what vanishes.
         self.assertTrue(all(count <= 9 for count in counts[1:]), counts)
 
     def test_what_was_taken_for_fixed_may_move_all_the_same(self):

@@ -76,11 +76,11 @@ class Lights(unittest.TestCase):
 
     def test_emission_lights_what_it_faces(self):
         def make():
-            add_plane(0.02, shader("glow", "ShaderNodeEmission", Strength=100000.0), "lamp").location = (0, 0, 2)
+            add_plane(0.02, shader("glow", "ShaderNodeEmission", Strength=100000.0), "light").location = (0, 0, 2)
 
         self.assert_close(self.below(make), RHO / math.pi * 100000 * 0.02 * 0.02 / 4, 0.01)
 
-    def test_cameras_do_not_see_lamps(self):
+    def test_cameras_do_not_see_lights(self):
         new_scene((8, 8))
         add_light("AREA", energy=100, shape="SQUARE", size=1)
         add_light("POINT", (0, 0, 3), energy=100, shadow_soft_size=0.5)
@@ -88,7 +88,7 @@ class Lights(unittest.TestCase):
         for engine in ("GNOMON", "CYCLES"):
             self.assertEqual(render(engine)[..., :3].max(), 0, engine)
 
-    def test_mirrors_see_lamps(self):
+    def test_mirrors_see_lights(self):
         new_scene((8, 8))
         add_plane(material=shader("mirror", "ShaderNodeBsdfGlossy", Color=(1, 1, 1, 1), Roughness=0.0))
         add_light("AREA", energy=100, shape="SQUARE", size=1)

@@ -217,7 +217,7 @@ class Materials(unittest.TestCase):
         add_camera((0, 0, 1), ortho=0.5)
         self.assertTrue(np.allclose(render()[4, 4, :3], (0.2, 0.5, 0.1), rtol=0.02))
 
-    def test_film_is_transparent(self):
+    def test_background_is_transparent(self):
         scene = new_scene((16, 16))
         add_ball(radius=0.5, material=diffuse())
         set_world((1, 1, 1))

@@ -128,10 +128,10 @@ def look_at(ob, target) -> None:
 
 
 def add_light(kind: str, place=(0, 0, 2), rotation=(0, 0, 0), **values) -> Any:
-    data = bpy.data.lights.new("lamp", kind)
+    data = bpy.data.lights.new("light", kind)
     for key, value in values.items():
         setattr(data, key, value)
-    ob = link("lamp", data)
+    ob = link("light", data)
     ob.location, ob.rotation_euler = place, rotation
     return ob
 

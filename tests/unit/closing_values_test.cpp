@@ -190,12 +190,12 @@ TEST(PoseBetween, WhatTurnsKeepsItsSize)
     EXPECT_NEAR(scene::pose_between(skewed, glm::dmat4(1), 0.5)[1].x, 0.25, 1e-12);
 }
 
-// A lamp before a wall and beside a mirror.
-struct Lamp {
-    InstanceId lamp, wall;
+// An emitter before a wall and beside a mirror.
+struct LitWall {
+    InstanceId emitter, wall;
     Scene scene;
 
-    explicit Lamp(bool hidden) : scene(make(hidden)) {}
+    explicit LitWall(bool hidden) : scene(make(hidden)) {}
     Scene make(bool hidden)
     {
         SceneBuilder builder;
@@ -206,7 +206,7 @@ struct Lamp {
         AreaLight light;
         light.radiance = {5, 5, 5};
         light.hidden_from_camera = hidden;
-        lamp = builder.area_light(light, Transform::translation(0, 0, -3) * turned).instance;
+        emitter = builder.area_light(light, Transform::translation(0, 0, -3) * turned).instance;
         return builder.finish();
     }
 };
@@ -215,12 +215,12 @@ TEST(HiddenFromCamera, CamerasSeeWhatIsBehind)
 {
     FrameInput input;
     input.camera = test::camera_along_z();
-    const auto middle = [&](const Lamp& lamp) {
-        const Frame frame = Renderer(plain({16, 16})).render(lamp.scene, input);
-        return std::pair(frame.layer("")->value(8, 8), lamp.scene.instance_of(frame.layer("id")->id(8, 8)));
+    const auto middle = [&](const LitWall& emitter) {
+        const Frame frame = Renderer(plain({16, 16})).render(emitter.scene, input);
+        return std::pair(frame.layer("")->value(8, 8), emitter.scene.instance_of(frame.layer("id")->id(8, 8)));
     };
-    const Lamp seen(false), hidden(true);
-    EXPECT_EQ(middle(seen), (std::pair<float, InstanceId>(5, seen.lamp)));
+    const LitWall seen(false), hidden(true);
+    EXPECT_EQ(middle(seen), (std::pair<float, InstanceId>(5, seen.emitter)));
     EXPECT_EQ(middle(hidden).second, hidden.wall);
     EXPECT_LT(middle(hidden).first, 1);
     const Frame frame = Renderer(plain({16, 16})).render(hidden.scene, input);
