@@ -423,4 +423,3 @@ class _Writer:
         if strength > 0:
             layers["anisotropy"] = strength
             layers["anisotropy_rotation"] = 2 * np.pi * self.scalar(s.anisotropy_rotation, "the rotation of anisotropy")
-

@@ -165,7 +165,7 @@ struct Material {
     float transmittance = 0;      // 0 to 1
 
     std::optional<MaterialLayers> layers{};   // metallic_roughness
-    bool outline = false;   // of an inverted hull, drawn around a body as its outline: it casts no shadow
+    bool outline = false;              // of an inverted hull, drawn around a body as its outline: it casts no shadow
     bool hidden_from_camera = false;   // traced frames: cameras see what is behind it; mirrors and light meet it
 
     friend bool operator==(const Material&, const Material&) = default;
@@ -199,9 +199,9 @@ enum class AreaLightShape : std::uint8_t { rectangle, disc, sphere };
 struct AreaLight {
     std::string name{};
     AreaLightShape shape = AreaLightShape::rectangle;
-    float width = 1, height = 1;   // metres along X and Y; of a disc and a sphere, `width` is the diameter
-    Vec3 radiance{1, 1, 1};        // nits
-    bool two_sided = false;        // rectangle and disc: it emits along +Z, too; otherwise along -Z alone
+    float width = 1, height = 1;       // metres along X and Y; of a disc and a sphere, `width` is the diameter
+    Vec3 radiance{1, 1, 1};            // nits
+    bool two_sided = false;            // rectangle and disc: it emits along +Z, too; otherwise along -Z alone
     bool hidden_from_camera = false;   // see Material
     friend bool operator==(const AreaLight&, const AreaLight&) = default;
 };
