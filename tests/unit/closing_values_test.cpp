@@ -2,6 +2,7 @@
 // Values that a host hands over for the closing of the shutter, and surfaces that cameras do not see.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -154,8 +155,10 @@ TEST(ClosingValues, FramesAreThoseOfANewRendererWhateverWasBlurredBefore)
     Renderer kept(made);
     const auto input_of = [&](int frame) {
         FrameInput input = from_camera();
-        input.transforms = {{stage.instance, Stage::place(0.2 * frame)}};
-        if (frame == 1 || frame == 2 || frame == 4) input.transforms[0].closing = Stage::place(0.2 * frame + 0.5);
+        // It stops where the shutter opened: after frames 2 and 4, only the closing value is gone.
+        const double x = std::array{0.0, 0.2, 0.4, 0.4, 0.8, 0.8}[static_cast<std::size_t>(frame)];
+        input.transforms = {{stage.instance, Stage::place(x)}};
+        if (frame == 1 || frame == 2 || frame == 4) input.transforms[0].closing = Stage::place(x + 0.5);
         return input;
     };
     for (int frame = 0; frame < 6; ++frame) {
