@@ -13,6 +13,9 @@ std::string manual_page();
 /// docs/guide/options.md. A test compares that file with this text.
 std::string options_page();
 
+/// blender/gnomon_render/options.json: the options of render. A test compares that file with this text.
+std::string options_json();
+
 /// Scripts that complete subcommands, options and their choices, and file names elsewhere.
 std::string bash_completion();
 std::string zsh_completion();

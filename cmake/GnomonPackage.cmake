@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Makes Debian packages with CPack, `./dev package`: gnomon, and python3-gnomon where the Python package is built.
+# Makes Debian packages with CPack, `./dev package`: gnomon, and python3-gnomon and blender-gnomon where the Python package
+# is built.
 #
 # A package has the same bytes wherever it is built from the same sources with the same packages of Debian: the paths
 # of the machine are left out of the code (GnomonTargets.cmake), and files have the time SOURCE_DATE_EPOCH. It contains a
@@ -49,6 +50,15 @@ if(TARGET gnomon_python)
     install(FILES cmake/package/copyright DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/python3-gnomon" COMPONENT python)
     install(DIRECTORY examples/python DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/python3-gnomon/examples"
         COMPONENT python PATTERN __pycache__ EXCLUDE)
+endif()
+if(GNOMON_BLENDER)
+    list(APPEND CPACK_COMPONENTS_ALL blender)
+    set(CPACK_DEBIAN_BLENDER_PACKAGE_NAME blender-gnomon)
+    set(CPACK_DEBIAN_BLENDER_PACKAGE_SECTION graphics)
+    set(CPACK_DEBIAN_BLENDER_PACKAGE_ARCHITECTURE all)
+    set(CPACK_COMPONENT_BLENDER_DESCRIPTION "Add-on for Blender: the render engine Gnomon.")
+    set(CPACK_DEBIAN_BLENDER_PACKAGE_DEPENDS "python3-gnomon (= ${PROJECT_VERSION}), blender (>= 3.4)")
+    install(FILES cmake/package/copyright DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/blender-gnomon" COMPONENT blender)
 endif()
 set(CPACK_PRE_BUILD_SCRIPTS "${CMAKE_CURRENT_LIST_DIR}/package/set_times.cmake")
 include(CPack)

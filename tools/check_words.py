@@ -50,6 +50,7 @@ k_exceptions = [
     (r"sentences with a subject and a verb", "the verb of grammar"),
     (r"</?picture>", "an element of HTML"),
     (r"AnisotropyBarnLamp", "the name of a model"),
+    (r"\bfilm_transparent\b", "a property of Blender"),
     (r"[Tt]hin[ _]?[Ff]ilms?", "the optical term: a layer that light interferes in"),
 ]
 # Files that must hold such words: they list them, or are data.

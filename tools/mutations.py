@@ -486,7 +486,7 @@ MUTATIONS = (
         "src/scene/light.cpp", "std::clamp(1.0f - ratio * ratio, 0.0f, 1.0f)", "std::clamp(1.0f - ratio, 0.0f, 1.0f)",
         "unit:Illuminate.*"),
     row("spot-fade", "scene", "a spot light fades linearly",
-        "src/scene/light.cpp", "strength *= fade * fade;", "strength *= fade;",
+        "src/scene/light.cpp", "SpotProfile::smooth ? fade * fade :", "SpotProfile::smooth ? fade :",
         "unit:Illuminate.*"),
     row("skin-normals", "scene", "normals of skinned meshes turn as positions do",
         "src/scene/deform.cpp", "out.normals[i] = unit_or(cofactor * out.normals[i], out.normals[i]);",

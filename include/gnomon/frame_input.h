@@ -6,8 +6,10 @@
 // what changed; what equals the value in force is found equal and costs no more than the comparison. Values of parts
 // that are no longer in the scene are forgotten.
 //
-// `closing` is the value when the camera's shutter closes; none: it does not change while the shutter is open. Frames
-// are rendered at its opening.
+// With RenderOptions::shutter, a value is that of the shutter's opening, and `closing` the one when it closes; none: it
+// does not change meanwhile. Between them, places and scales change evenly and rotations take the shorter way. The
+// layers that are not blurred are those of the shutter's middle. Without a shutter, `closing` has no effect; that of
+// lights and of materials has none in any case.
 
 #include <cstdint>
 #include <optional>

@@ -165,7 +165,8 @@ struct Material {
     float transmittance = 0;      // 0 to 1
 
     std::optional<MaterialLayers> layers{};   // metallic_roughness
-    bool outline = false;   // of an inverted hull, drawn around a body as its outline: it casts no shadow
+    bool outline = false;              // of an inverted hull, drawn around a body as its outline: it casts no shadow
+    bool hidden_from_camera = false;   // traced frames: cameras see what is behind it; mirrors and light meet it
 
     friend bool operator==(const Material&, const Material&) = default;
 };
@@ -174,8 +175,9 @@ struct Material {
 enum class LightType : std::uint8_t { point, spot, directional };
 /// How irradiance depends on distance: by the inverse square, or not at all (BART).
 enum class Falloff : std::uint8_t { inverse_square, constant };
-/// The profile of a spot: smooth between the inner and the outer angle (glTF), or the cosine from the axis.
-enum class SpotProfile : std::uint8_t { smooth, cosine };
+/// The profile of a spot: smooth between the inner and the outer angle (glTF), the cosine from the axis, or that cosine
+/// with smooth steps between the angles (Blender).
+enum class SpotProfile : std::uint8_t { smooth, cosine, smooth_cosine };
 
 /// A light without size, at its node's origin and directed along the node's -Z.
 struct Light {
@@ -193,13 +195,14 @@ struct Light {
 /// sphere.
 enum class AreaLightShape : std::uint8_t { rectangle, disc, sphere };
 
-/// A light with size: a surface of one radiance, which cameras and mirrors see as well.
+/// A light with size: a surface of one radiance, which mirrors see as well, and cameras unless it is hidden from them.
 struct AreaLight {
     std::string name{};
     AreaLightShape shape = AreaLightShape::rectangle;
-    float width = 1, height = 1;   // metres along X and Y; of a disc and a sphere, `width` is the diameter
-    Vec3 radiance{1, 1, 1};        // nits
-    bool two_sided = false;        // rectangle and disc: it emits along +Z, too; otherwise along -Z alone
+    float width = 1, height = 1;       // metres along X and Y; of a disc and a sphere, `width` is the diameter
+    Vec3 radiance{1, 1, 1};            // nits
+    bool two_sided = false;            // rectangle and disc: it emits along +Z, too; otherwise along -Z alone
+    bool hidden_from_camera = false;   // see Material
     friend bool operator==(const AreaLight&, const AreaLight&) = default;
 };
 

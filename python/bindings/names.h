@@ -45,8 +45,8 @@ template <>
 inline constexpr Name<Falloff> k_names<Falloff>[] = {{"inverse_square", Falloff::inverse_square},
                                                      {"constant", Falloff::constant}};
 template <>
-inline constexpr Name<SpotProfile> k_names<SpotProfile>[] = {{"smooth", SpotProfile::smooth},
-                                                             {"cosine", SpotProfile::cosine}};
+inline constexpr Name<SpotProfile> k_names<SpotProfile>[] = {
+    {"smooth", SpotProfile::smooth}, {"cosine", SpotProfile::cosine}, {"smooth-cosine", SpotProfile::smooth_cosine}};
 template <>
 inline constexpr Name<AreaLightShape> k_names<AreaLightShape>[] = {
     {"rectangle", AreaLightShape::rectangle}, {"disc", AreaLightShape::disc}, {"sphere", AreaLightShape::sphere}};

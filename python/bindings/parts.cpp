@@ -82,6 +82,7 @@ void visit_fields(M& m, const Visit& visit)
     visit("transmittance", m.transmittance);
     visit("layers", m.layers);
     visit("outline", m.outline);
+    visit("hidden_from_camera", m.hidden_from_camera);
 }
 
 template <Is<Light> M, class Visit>
@@ -106,6 +107,7 @@ void visit_fields(M& m, const Visit& visit)
     visit("height", m.height);
     visit("radiance", m.radiance);
     visit("two_sided", m.two_sided);
+    visit("hidden_from_camera", m.hidden_from_camera);
 }
 
 template <Is<Intrinsics> M, class Visit>

@@ -81,6 +81,39 @@ void read_nodes(Input& in, const py::kwargs& from)
     });
 }
 
+// The element of a list whose part has that id.
+template <class Id, class List, class Part>
+auto& value_in_force(List& list, Part part, const Id& id, const char* where)
+{
+    for (auto& each : list)
+        if (each.*part == id) return each;
+    throw UsageError(std::string(where) + " has a value for a part that gets none of the shutter's opening");
+}
+
+// Values of the shutter's closing, for parts that get one of its opening.
+void read_closing(Input& in, py::handle from)
+{
+    if (from.is_none()) return;
+    FrameInput& frame = in.frame;
+    if (const py::object camera = from.attr("camera"); !camera.is_none())
+        frame.camera_closing = read_as<Camera>(camera, "Closing.camera");
+    for_each_value(from.attr("transforms"), "Closing.transforms", [&](py::handle id, py::handle value) {
+        const auto node = id_of<NodeId>(id, "a key of Closing.transforms", "NodeId or InstanceId");
+        value_in_force(frame.transforms, &NodeTransform::node, node, "Closing.transforms").closing =
+            transform(value, "a transform");
+    });
+    for_each_value(from.attr("vertices"), "Closing.vertices", [&](py::handle id, py::handle value) {
+        const auto instance = id_of<InstanceId>(id, "a key of Closing.vertices", "InstanceId");
+        value_in_force(frame.vertices, &InstanceVertices::instance, instance, "Closing.vertices").closing_positions =
+            vec3s(value, "a value of Closing.vertices", in.kept);
+    });
+    for_each_value(from.attr("morph_weights"), "Closing.morph_weights", [&](py::handle id, py::handle value) {
+        const auto instance = id_of<InstanceId>(id, "a key of Closing.morph_weights", "InstanceId");
+        value_in_force(frame.morph_weights, &MorphWeights::instance, instance, "Closing.morph_weights").closing =
+            floats(value, "morph_weights");
+    });
+}
+
 void read_looks(Input& in, const py::kwargs& from)
 {
     for_each_value(from["lights"], "lights", [&](py::handle id, py::handle value) {
@@ -163,6 +196,7 @@ py::object render(const OpenRenderer& renderer, const Scene& scene, const py::kw
     read(from["turn"], "turn", frame.turn);
     read(from["indirect_ray_limit"], "indirect_ray_limit", frame.indirect_ray_limit);
     read_nodes(in, from);
+    read_closing(in, from["closing"]);
     read_looks(in, from);
     read_outputs(in, from["out"]);
     if (!frame.outputs.empty()) {

@@ -50,10 +50,10 @@ from ._parts import (
     SceneInfo,
     TextureUse,
 )
-from ._renderer import Progress, Renderer, Vertices
+from ._renderer import Closing, Progress, Renderer, Vertices
 
 __all__ = [
-    "AnimationInfo", "AreaLight", "Camera", "CameraId", "CompareResult", "Error", "Frame", "FrameReport", "InputError",
+    "AnimationInfo", "AreaLight", "Camera", "CameraId", "Closing", "CompareResult", "Error", "Frame", "FrameReport", "InputError",
     "InstanceId", "InternalError", "Interrupted", "Intrinsics", "Light", "LightId", "Material", "MaterialId",
     "MaterialLayers", "Matrix", "MeshId", "MissingError", "NodeId", "Pick", "Progress", "ReferenceLightOptions",
     "RenderOptions", "Renderer", "Scene", "SceneBuilder", "SceneInfo", "SkinId", "TextureId", "TextureUse", "UsageError",

@@ -145,6 +145,8 @@ class Material:
     layers: Optional[MaterialLayers] = None
     outline: bool = False
     """Of an inverted hull, drawn around a body as its outline: it casts no shadow."""
+    hidden_from_camera: bool = False
+    """Traced frames: cameras see what is behind it; mirrors and light meet it."""
 
 
 @dataclass(slots=True)
@@ -156,8 +158,9 @@ class Light:
     color: Vec3 = (1.0, 1.0, 1.0)
     """Candela (point and spot), lux (directional); with constant falloff, the irradiance itself."""
     falloff: Literal["inverse_square", "constant"] = "inverse_square"
-    profile: Literal["smooth", "cosine"] = "smooth"
-    """Of a spot: smooth between the inner and the outer angle (glTF), or the cosine from the axis."""
+    profile: Literal["smooth", "cosine", "smooth-cosine"] = "smooth"
+    """Of a spot: smooth between the inner and the outer angle (glTF), the cosine from the axis, or that cosine with smooth
+    steps between the angles (Blender)."""
     inner_angle: float = 0.0
     """Of a spot: radians from the axis."""
     outer_angle: float = 0.7853982
@@ -168,7 +171,7 @@ class Light:
 
 @dataclass(slots=True)
 class AreaLight:
-    """A light with size: a surface of one radiance, which cameras and mirrors see as well. A rectangle and a disc lie
+    """A light with size: a surface of one radiance, which mirrors see as well, and cameras unless it is hidden from them. A rectangle and a disc lie
     across the node's Z axis."""
 
     name: str = ""
@@ -181,6 +184,8 @@ class AreaLight:
     """Nits."""
     two_sided: bool = False
     """It emits along +Z, too; otherwise along -Z alone."""
+    hidden_from_camera: bool = False
+    """Traced frames: cameras see what is behind it; mirrors see it."""
 
 
 @dataclass(slots=True, frozen=True)

@@ -31,6 +31,21 @@ class Vertices:
     """(n, 3); None: computed from the positions if the mesh has normals."""
 
 
+@dataclass(slots=True, eq=False)
+class Closing:
+    """Values when the camera's shutter closes, for motion blur (RenderOptions.shutter). Those that are handed over beside
+    them are then the ones of its opening. A part without a value here stands still meanwhile."""
+
+    transforms: Union[Mapping[NodeId, Matrix], Mapping[InstanceId, Matrix], None] = None
+    """{node: matrix}, for nodes that get a transform."""
+    vertices: Optional[Mapping[InstanceId, npt.ArrayLike]] = None
+    """{instance: (n, 3)}, for instances that get vertices."""
+    morph_weights: Optional[Mapping[InstanceId, npt.ArrayLike]] = None
+    """{instance: weights}, for instances that get weights."""
+    camera: Optional[Camera] = None
+    """If the frame gets a camera."""
+
+
 class Renderer(_gnomon.Renderer):
     """Renders frames, and keeps what stays the same from frame to frame. A frame depends on the scene, what was handed over
     and the options alone: neither on the number of threads, nor on earlier frames.
@@ -62,6 +77,7 @@ class Renderer(_gnomon.Renderer):
         lights: Optional[Mapping[LightId, Light]] = None,
         materials: Optional[Mapping[MaterialId, Material]] = None,
         released: Optional[Iterable[Union[NodeId, LightId, MaterialId]]] = None,
+        closing: Optional[Closing] = None,
         indirect_ray_limit: int = 0,
         out: Optional[Mapping[str, npt.NDArray[Any]]] = None,
         progress: Optional[Progress] = None,
@@ -80,6 +96,7 @@ class Renderer(_gnomon.Renderer):
         lights         {light: Light}
         materials      {material: Material}
         released       parts whose values end: what the scene says holds again
+        closing        values of the shutter's closing, see Closing
         indirect_ray_limit  rays of indirect light in this frame; what is missing comes with later frames of the same
                        input, until Frame.complete. 0: no limit
         out            {layer: array}: layers that are also written into arrays of the caller's, (height, width[, channels])
@@ -88,7 +105,7 @@ class Renderer(_gnomon.Renderer):
         progress       see Progress
 
         Values stay in force until other ones are handed over, or until they are released. A value that equals the one in
-        force costs a comparison. They hold while the shutter is open: what a host moves is not blurred.
+        force costs a comparison. They hold while the shutter is open, unless `closing` has other ones.
 
         Raises UsageError if an id is not of this scene, a number is not finite or lengths disagree, and then nothing is
         taken over; MissingError if memory or a Vulkan device is missing; Interrupted after cancel(), or if progress
@@ -107,6 +124,7 @@ class Renderer(_gnomon.Renderer):
                 lights=lights,
                 materials=materials,
                 released=released,
+                closing=closing,
                 indirect_ray_limit=indirect_ray_limit,
                 out=out,
                 progress=progress,

@@ -134,6 +134,7 @@ void copy_values(const From& from, To& to)
     to.shine = from.shine;
     to.transmittance = from.transmittance;
     to.outline = from.outline;
+    to.hidden_from_camera = from.hidden_from_camera;
 }
 
 constexpr double k_any = 1e9;   // upper limit of numbers that have none by their meaning
@@ -251,7 +252,7 @@ scene::Light to_scene(const Light& light)
     const std::string owner = titled("light", light.name);
     require_known(light.type, LightType::directional, owner, "the type");
     require_known(light.falloff, Falloff::constant, owner, "the falloff");
-    require_known(light.profile, SpotProfile::cosine, owner, "the profile");
+    require_known(light.profile, SpotProfile::smooth_cosine, owner, "the profile");
     require_color(light.color, owner, "the colour");
     require_range(light.inner_angle, 0, k_pi / 2, owner, "the inner angle");
     require_range(light.outer_angle, light.inner_angle, k_pi / 2 + 1e-6, owner, "the outer angle");

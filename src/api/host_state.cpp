@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <map>
 
 #include "api/convert.h"
 #include "gnomon/error.h"
@@ -21,6 +22,7 @@ struct Checked {
     std::vector<std::pair<scene::NodeId, std::vector<float>>> weights;
     std::vector<std::pair<scene::LightId, scene::Light>> lights;
     std::vector<std::pair<scene::MaterialId, scene::Material>> materials;
+    std::map<scene::NodeId, frame::HostValues::Closing> closings;
     std::vector<std::uint32_t> released_nodes, released_lights, released_materials;
 };
 
@@ -46,14 +48,16 @@ class Checker {
  public:
     explicit Checker(const Scene::Impl& impl) : scene_(*impl.scene), stamps_(impl.stamps) {}
 
-    std::pair<scene::NodeId, glm::dmat4> transform(const NodeTransform& t) const
+    std::map<scene::NodeId, frame::HostValues::Closing> closings;   // of what was checked
+
+    std::pair<scene::NodeId, glm::dmat4> transform(const NodeTransform& t)
     {
         const scene::NodeId node = require(stamps_.nodes, t.node, "the node of a transform");
         const std::string owner = titled("node", scene_.nodes[node].name, node);
-        if (t.closing) matrix_of(*t.closing, owner);
+        if (t.closing) closings[node].transform = matrix_of(*t.closing, owner);
         return {node, matrix_of(t.transform, owner)};
     }
-    std::pair<scene::NodeId, std::shared_ptr<const scene::DeformedMesh>> vertices(const InstanceVertices& v) const
+    std::pair<scene::NodeId, std::shared_ptr<const scene::DeformedMesh>> vertices(const InstanceVertices& v)
     {
         const scene::NodeId node = instance(v.instance, "the instance of vertices");
         const std::string owner = titled("instance", scene_.nodes[node].name, node);
@@ -61,10 +65,11 @@ class Checker {
         auto shape = std::make_shared<scene::DeformedMesh>();
         shape->positions = copied(v.positions, expected, owner, "positions");
         if (!v.normals.empty()) shape->normals = copied(v.normals, expected, owner, "normals");
-        if (!v.closing_positions.empty()) copied(v.closing_positions, expected, owner, "closing positions");
+        if (!v.closing_positions.empty())
+            closings[node].positions = copied(v.closing_positions, expected, owner, "closing positions");
         return {node, std::move(shape)};
     }
-    std::pair<scene::NodeId, std::vector<float>> weights(const MorphWeights& w) const
+    std::pair<scene::NodeId, std::vector<float>> weights(const MorphWeights& w)
     {
         const scene::NodeId node = instance(w.instance, "the instance of morph weights");
         const std::string owner = titled("instance", scene_.nodes[node].name, node);
@@ -75,6 +80,7 @@ class Checker {
             for (const float weight : *list)
                 if (!std::isfinite(weight)) throw UsageError(fmt::format("{}: a morph weight is not finite", owner));
         }
+        if (!w.closing.empty()) closings[node].weights = w.closing;
         return {node, w.weights};
     }
     std::pair<scene::LightId, scene::Light> light(const LightValues& l) const
@@ -103,7 +109,7 @@ class Checker {
 
 Checked checked(const Scene::Impl& impl, const FrameInput& input)
 {
-    const Checker check(impl);
+    Checker check(impl);
     const SceneStamps& stamps = impl.stamps;
     Checked result;
     for (const NodeTransform& t : input.transforms) result.transforms.push_back(check.transform(t));
@@ -119,6 +125,7 @@ Checked checked(const Scene::Impl& impl, const FrameInput& input)
         result.released_lights.push_back(require(stamps.lights, id, "a released light"));
     for (const MaterialId& id : input.released_materials)
         result.released_materials.push_back(require(stamps.materials, id, "a released material"));
+    result.closings = std::move(check.closings);
     return result;
 }
 
@@ -160,6 +167,7 @@ void HostState::apply(const Scene& scene, const FrameInput& input)
     for (const std::uint32_t node : in.released_nodes) {
         values.set_transform(node, nullptr);
         values.set_visible(node, nullptr);
+        values.set_closing(node, nullptr);
         if (values.object_at(node) == scene::none) continue;
         values.set_vertices(node, nullptr);
         values.set_weights(node, nullptr);
@@ -172,6 +180,14 @@ void HostState::apply(const Scene& scene, const FrameInput& input)
     for (const auto& [node, weights] : in.weights) values.set_weights(node, &weights);
     for (const auto& [light, light_values] : in.lights) values.set_light(light, &light_values);
     for (const auto& [material, material_values] : in.materials) values.set_material(material, &material_values);
+    // What is handed over with another value, or without one of the shutter's closing, stands still again.
+    const auto closing_of = [&](scene::NodeId node) {
+        const auto at = in.closings.find(node);
+        values.set_closing(node, at == in.closings.end() ? nullptr : &at->second);
+    };
+    for (const auto& [node, transform] : in.transforms) closing_of(node);
+    for (const auto& [node, shape] : in.vertices) closing_of(node);
+    for (const auto& [node, weights] : in.weights) closing_of(node);
     values.settle();
 }
 

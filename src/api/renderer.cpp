@@ -18,6 +18,7 @@
 #include "base/stopwatch.h"
 #include "frame/frame_engine.h"
 #include "frame/state_overlay.h"
+#include "scene/pose_between.h"
 #include "scene/view.h"
 
 namespace gnomon {
@@ -62,6 +63,7 @@ struct Renderer::Impl {
     Frame render(const Scene& scene, const FrameInput& input, const Progress& progress);
     Wanted check(const Scene& scene, const FrameInput& input) const;
     std::optional<double> turn_of(const Scene& scene, const FrameInput& input, int frame) const;
+    static scene::View host_view(const Wanted& wanted, double fraction);
     scene::View make_view(const Wanted& wanted, const FrameInput& input, PlacedCamera& placed);
     std::optional<frame::Shutter> shutter_of(const Scene& scene, const Wanted& wanted, const FrameInput& input);
     std::optional<scene::View> view_before(const Scene& scene, const Wanted& wanted, const FrameInput& input,
@@ -283,8 +285,8 @@ Frame Renderer::render(const Scene& scene, const FrameInput& input, const Progre
 struct Renderer::Impl::Wanted {
     double time = 0;
     Size size;
-    std::optional<scene::Camera> camera;   // of the host
-    glm::dmat4 camera_to_world{1};
+    std::optional<scene::Camera> camera, camera_closing;   // of the host
+    glm::dmat4 camera_to_world{1}, closing_to_world{1};
     scene::CameraId scene_camera = scene::none;   // otherwise
     std::optional<double> turn;
 };
@@ -299,8 +301,11 @@ Renderer::Impl::Wanted Renderer::Impl::check(const Scene& scene, const FrameInpu
     const scene::Scene& inside = *api::scene_of(scene);
     Wanted wanted;
     wanted.time = input.time ? *input.time : scene.time_of(input.frame);
-    if (input.camera_closing)
-        api::to_scene(*input.camera_closing), api::matrix_of(input.camera_closing->transform, "the camera");
+    if (input.camera_closing) {
+        wanted.camera_closing = api::to_scene(*input.camera_closing);
+        wanted.closing_to_world = api::matrix_of(input.camera_closing->transform, "the camera");
+        if (!input.camera) throw UsageError("a closing camera needs one of the shutter's opening");
+    }
     Size of_camera;
     if (input.camera) {
         wanted.camera = api::to_scene(*input.camera);
@@ -327,12 +332,23 @@ std::optional<double> Renderer::Impl::turn_of(const Scene& scene, const FrameInp
     return turn;
 }
 
+// The view of a host's camera at a fraction of the shutter's opening.
+scene::View Renderer::Impl::host_view(const Wanted& wanted, double fraction)
+{
+    if (!wanted.camera_closing) return scene::make_view(*wanted.camera, wanted.camera_to_world, wanted.size);
+    return scene::view_between(*wanted.camera, wanted.camera_to_world, *wanted.camera_closing, wanted.closing_to_world,
+                               wanted.size, fraction);
+}
+
 scene::View Renderer::Impl::make_view(const Wanted& wanted, const FrameInput& input, PlacedCamera& placed)
 {
     if (wanted.camera) {
         camera = input.camera;
         placed = {*wanted.camera, wanted.camera_to_world, true};
-        return scene::make_view(*wanted.camera, wanted.camera_to_world, wanted.size);
+        if (!wanted.camera_closing || options.shutter == 0) return host_view(wanted, 0);
+        placed.to_world =
+            scene::pose_between(wanted.camera_to_world, wanted.closing_to_world, frame::Shutter::k_middle);
+        return host_view(wanted, frame::Shutter::k_middle);
     }
     const scene::View view = engine.make_view(wanted.scene_camera, wanted.size, wanted.turn);
     const scene::Camera& described = engine.state()->scene().cameras[wanted.scene_camera];
@@ -370,13 +386,14 @@ std::optional<frame::Shutter> Renderer::Impl::shutter_of(const Scene& scene, con
     if (options.shutter == 0 && options.f_number == 0 && options.aperture == 0) return {};
     frame::Shutter shutter;
     const double half = 0.5 * options.shutter / 360 / scene.fps();
-    shutter.open = wanted.time - half, shutter.close = wanted.time + half;
+    shutter.open = wanted.time - half, shutter.close = wanted.time + half, shutter.middle = wanted.time;
     if (!input.time) shutter.first = scene.time_of(1), shutter.last = scene.time_of(scene.frame_count());
     shutter.host = &host.values();
     const bool turns = options.turntable_seconds > 0 && !input.time;
-    shutter.view_at = [this, &wanted, turns](const scene::SceneState& state, double time) {
-        if (wanted.camera) return scene::make_view(*wanted.camera, wanted.camera_to_world, wanted.size);
+    shutter.view_at = [this, &wanted, turns, shutter](const scene::SceneState& state, double fraction) {
+        if (wanted.camera) return host_view(wanted, fraction);
         std::optional<double> turn = wanted.turn;
+        const double time = shutter.at(fraction);
         if (turns) turn = *turn + 2 * k_pi * (time - wanted.time) / options.turntable_seconds;
         return engine.view_in(state, wanted.scene_camera, wanted.size, turn);
     };
@@ -398,6 +415,7 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
     result.time = wanted.time;
     const bool is_first = !has_frame || !host.follows(scene);
     host.apply(scene, input);
+    host.values().show_at(options.shutter > 0 ? frame::Shutter::k_middle : 0);
     const bool began_anew = engine.advance(host.values().scene(), wanted.time, options, &host.values()).anew;
     watch.end(FrameTimes::scene);
 

@@ -208,7 +208,8 @@ AreaLightParts SceneBuilder::area_light(const AreaLight& light, const Transform&
     const MaterialId emission = material({.name = light.name,
                                           .base_color = {0, 0, 0},
                                           .double_sided = light.two_sided && light.shape != AreaLightShape::sphere,
-                                          .emissive = light.radiance});
+                                          .emissive = light.radiance,
+                                          .hidden_from_camera = light.hidden_from_camera});
     MeshId made;
     try {
         made = mesh(

@@ -33,10 +33,11 @@ bool FrameEngine::can_blur() const
            (options_.shutter > 0 || options_.f_number > 0 || options_.aperture > 0);
 }
 
-// Moves the state to another time of the shutter. The techniques follow with the next image.
-void FrameEngine::pose(double time)
+// Moves the state to a fraction of the shutter's opening. The techniques follow with the next image.
+void FrameEngine::pose(const Shutter& shutter, double fraction)
 {
-    state_->advance(time);
+    if (shutter.host) shutter.host->apply_pose(*state_, fraction);
+    state_->advance(fraction == Shutter::k_middle ? shutter.middle : shutter.at(fraction));
     posed_ = true;
     if (rays_) rays_->update(*state_);
     follow_emission();
@@ -47,7 +48,6 @@ void FrameEngine::pose(double time)
 void FrameEngine::blur_traced(trace::Blur& blur, const Shutter& shutter, const trace::TracedOptions& options,
                               const trace::Techniques& techniques, Tasks& tasks, FrameCounters& counters)
 {
-    const double middle = state_->time();
     const int times = blur.motion().times;
     counters.samples.pixels += blur.touched_pixels();
     while (blur.next_round(tasks)) {
@@ -56,16 +56,16 @@ void FrameEngine::blur_traced(trace::Blur& blur, const Shutter& shutter, const t
             report_progress("tracing", static_cast<double>(k) / times);
             scene::View view = view_;
             if (times > 1) {
-                const double time = shutter.time(k, times);
-                pose(time);
-                view = shutter.view_at(*state_, time);
+                const double fraction = Shutter::fraction(k, times);
+                pose(shutter, fraction);
+                view = shutter.view_at(*state_, fraction);
             }
             add(counters,
                 trace::trace_blurred(*state_, *rays_, view, options, tasks, buffers_->times, techniques, blur, k));
         }
     }
     if (posed_) {
-        pose(middle);
+        pose(shutter, Shutter::k_middle);
         add(counters, trace::trace_blurred(*state_, *rays_, view_, options, tasks, buffers_->times, techniques, blur,
                                            std::nullopt));
     }
@@ -89,15 +89,14 @@ FrameCounters FrameEngine::blur_raster(const scene::View& view, const Shutter& s
             result.insert(result.end(), {&buffers_->direct, &buffers_->indirect, &buffers_->albedo, &buffers_->shadow});
         return result;
     };
-    const double middle = state_->time();
     std::vector<std::vector<double>> sums;
     FrameCounters counters;
     for (int k = 0; k < k_raster_poses; ++k) {
         scene::View posed = view;
         if (motion.times > 1) {
-            const double time = shutter.time(k, k_raster_poses);
-            pose(time);
-            posed = shutter.view_at(*state_, time);
+            const double fraction = Shutter::fraction(k, k_raster_poses);
+            pose(shutter, fraction);
+            posed = shutter.view_at(*state_, fraction);
         }
         const glm::vec2 at = trace::blur_sample({0, 0}, static_cast<std::uint32_t>(k), 1, false).lens;
         if (!lens.sharp()) posed = view_through(posed, lens, at);
@@ -110,7 +109,7 @@ FrameCounters FrameEngine::blur_raster(const scene::View& view, const Shutter& s
         }
     }
     // What is not averaged is that of the shutter's middle.
-    if (posed_) pose(middle);
+    if (posed_) pose(shutter, Shutter::k_middle);
     add(counters, render_raster(view));
     const std::vector<ImageF*> last = layers();
     for (std::size_t l = 0; l < last.size(); ++l)

@@ -205,7 +205,7 @@ class FrameEngine {
     FrameCounters render_raster(const scene::View& view);
     bool uses_environment() const;
     void list_changes();
-    void pose(double time);
+    void pose(const Shutter& shutter, double fraction);
     bool can_blur() const;
     void blur_traced(trace::Blur& blur, const Shutter& shutter, const trace::TracedOptions& options,
                      const trace::Techniques& techniques, Tasks& tasks, FrameCounters& counters);

@@ -3,6 +3,7 @@
 
 #include "base/bits.h"
 #include "base/check.h"
+#include "scene/pose_between.h"
 
 namespace gnomon::frame {
 
@@ -118,6 +119,16 @@ void HostValues::set_material(scene::MaterialId material, const scene::Material*
         must_remake_ = true;
 }
 
+void HostValues::set_closing(scene::NodeId node, const Closing* closing)
+{
+    if (!closing || (!closing->transform && closing->positions.empty() && closing->weights.empty())) {
+        closings_.erase(node);
+        return;
+    }
+    closings_.insert_or_assign(node, *closing);
+    if (closing->transform && must_promote_to_move(node)) promote(node, false);
+}
+
 void HostValues::settle()
 {
     if (!must_remake_) return;
@@ -161,6 +172,14 @@ void HostValues::copy_to(HostValues& other, const Mapping& mapping) const
     each(weights_.all(), mapping.node, [&](std::uint32_t n, const std::vector<float>& weights) {
         const scene::Mesh* mesh = mesh_at(n);
         if (mesh && mesh->morph_targets.size() == weights.size()) other.set_weights(n, &weights);
+    });
+    each(closings_, mapping.node, [&](std::uint32_t n, const Closing& closing) {
+        const std::shared_ptr<const scene::DeformedMesh>* shape = other.vertices_.now(n);
+        const std::vector<float>* weights = other.weights_.now(n);
+        Closing copy{closing.transform, {}, {}};
+        if (shape && (*shape)->positions.size() == closing.positions.size()) copy.positions = closing.positions;
+        if (weights && weights->size() == closing.weights.size()) copy.weights = closing.weights;
+        other.set_closing(n, &copy);
     });
     each(lights_.all(), mapping.light, [&](std::uint32_t l, const scene::Light& light) { other.set_light(l, &light); });
     each(materials_.all(), mapping.material,
@@ -210,6 +229,42 @@ void HostValues::apply_all(scene::SceneState& state) const
     each_kind(state, [](const auto& set, const auto& values) {
         for (const auto& [key, value] : values.all()) set(key, &value);
     });
+    apply_pose(state, shown_at_);
+}
+
+// Hands over the values of nodes at a fraction between those of a list and the closing ones; without any closing value
+// of a kind, those of the list.
+// @param value_of  of a list of values and a node, a pointer
+template <class Value>
+void HostValues::pose_nodes(scene::SceneState& state, const Closings& closings, double fraction,
+                            const Value& value_of) const
+{
+    for (const auto& [node, closing] : closings) {
+        const glm::dmat4* local = value_of(transforms_, node);
+        if (local && closing.transform) {
+            const glm::dmat4 posed = scene::pose_between(*local, *closing.transform, fraction);
+            state.override_transform(node, &posed);
+        } else {
+            state.override_transform(node, local);
+        }
+        if (object_at_[node] == scene::none) continue;
+        const scene::ObjectId object = state.object_at(node);
+        const std::shared_ptr<const scene::DeformedMesh>* shape = value_of(vertices_, node);
+        if (shape && closing.positions.size() == (*shape)->positions.size())
+            state.override_vertices(object, std::make_shared<const scene::DeformedMesh>(
+                                                scene::pose_between(**shape, closing.positions, fraction)));
+        else if (shape)
+            state.override_vertices(object, *shape);
+        if (const std::vector<float>* weights = value_of(weights_, node))
+            state.override_weights(object, closing.weights.size() == weights->size()
+                                               ? scene::pose_between(*weights, closing.weights, fraction)
+                                               : *weights);
+    }
+}
+
+void HostValues::apply_pose(scene::SceneState& state, double fraction) const
+{
+    pose_nodes(state, closings_, fraction, [](const auto& values, scene::NodeId n) { return values.now(n); });
 }
 
 void HostValues::replace_all(scene::SceneState& state) const
@@ -227,6 +282,9 @@ void HostValues::apply_changes(scene::SceneState& state) const
     each_kind(state, [](const auto& set, const auto& values) {
         for (const auto& [key, before] : values.changed()) set(key, values.now(key));
     });
+    // What moved while the shutter of the frame before was open is left at some place of its way.
+    pose_nodes(state, closings_before_, 0, [](const auto& values, scene::NodeId n) { return values.now(n); });
+    apply_pose(state, shown_at_);
 }
 
 void HostValues::apply_before(scene::SceneState& state, bool is_new) const
@@ -238,6 +296,9 @@ void HostValues::apply_before(scene::SceneState& state, bool is_new) const
             for (const std::uint32_t key : values.changed_last()) set(key, values.before(key));
         for (const auto& [key, before] : values.changed()) set(key, values.before(key));
     });
+    const auto before = [](const auto& values, scene::NodeId n) { return values.before(n); };
+    pose_nodes(state, closings_earlier_, 0, before);
+    pose_nodes(state, closings_before_, shown_at_, before);
 }
 
 void HostValues::replace_before(scene::SceneState& state) const
@@ -254,6 +315,8 @@ void HostValues::end_frame()
 {
     transforms_.settle(), visible_.settle(), vertices_.settle();
     weights_.settle(), lights_.settle(), materials_.settle();
+    closings_earlier_ = std::move(closings_before_);
+    closings_before_ = closings_;
 }
 
 }   // namespace gnomon::frame

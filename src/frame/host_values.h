@@ -85,6 +85,16 @@ class HostValues {
     void set_weights(scene::NodeId node, const std::vector<float>* weights);
     void set_light(scene::LightId light, const scene::Light* values);
     void set_material(scene::MaterialId material, const scene::Material* values);
+    /// The values of a node when the shutter closes; those that were set above are then those of its opening. What is
+    /// left out does not change meanwhile. Call after the others.
+    struct Closing {
+        std::optional<glm::dmat4> transform;
+        std::vector<glm::vec3> positions;   // as many as those of the vertices, or none
+        std::vector<float> weights;         // likewise
+    };
+    void set_closing(scene::NodeId node, const Closing* closing);
+    /// The fraction of the shutter's opening at which a frame's image without blur is: 0 where it does not open.
+    void show_at(double fraction) { shown_at_ = fraction; }
     /// Declares a node as one that moves or deforms: for promotions of an earlier scene.
     void promote(scene::NodeId node, bool deforms);
     /// Call after a frame's changes: makes another scene if they need one.
@@ -96,6 +106,8 @@ class HostValues {
     void replace_all(scene::SceneState& state) const;
     /// Hands over those that changed since end_frame().
     void apply_changes(scene::SceneState& state) const;
+    /// Hands the values at a fraction of the shutter's opening to a state that has the others.
+    void apply_pose(scene::SceneState& state, double fraction) const;
     /// Call when a frame was rendered.
     void end_frame();
     /// Hands the transforms, visibility, vertices and weights of the frame before to a second state: to a new one all
@@ -125,6 +137,9 @@ class HostValues {
     void each_kind_of_geometry(scene::SceneState& state, const Act& act) const;
     template <class Act>
     void each_kind(scene::SceneState& state, const Act& act) const;
+    using Closings = std::map<scene::NodeId, Closing>;
+    template <class Value>
+    void pose_nodes(scene::SceneState& state, const Closings& closings, double fraction, const Value& value_of) const;
 
     std::shared_ptr<const scene::Scene> given_, scene_;
     std::vector<scene::ObjectId> object_at_;   // by node
@@ -137,6 +152,8 @@ class HostValues {
     ValueList<std::vector<float>> weights_;
     ValueList<scene::Light> lights_;
     ValueList<scene::Material> materials_;
+    Closings closings_, closings_before_, closings_earlier_;   // of this frame, the one before, and that before it
+    double shown_at_ = 0;
 };
 
 }   // namespace gnomon::frame

@@ -111,20 +111,21 @@ trace::BlurMotion find_motion(const scene::SceneState& state, const scene::View&
 {
     trace::BlurMotion motion;
     if (!(shutter.close > shutter.open)) return motion;
-    const auto probe = [&](int i) { return shutter.at(static_cast<double>(i) / (k_probes - 1)); };
-    scene::SceneState posed(state.base(), probe(0));
-    if (shutter.host) shutter.host->apply_all(posed);
-    posed.advance(probe(0));
+    const auto fraction = [](int i) { return static_cast<double>(i) / (k_probes - 1); };
+    scene::SceneState posed(state.base(), shutter.at(0));
+    if (shutter.host) shutter.host->apply_all(posed), shutter.host->apply_pose(posed, 0);
+    posed.advance(shutter.at(0));
 
     // Note the boxes of what moves from one time to the next, and how far it moves in the image.
     std::map<scene::ObjectId, Box3> boxes;
     std::map<scene::ObjectId, std::array<glm::dvec3, 8>> corners;
     for (const scene::ObjectId o : posed.dynamic_objects()) corners[o] = corners_of(posed, o);
-    scene::View view_before = shutter.view_at(posed, probe(0));
+    scene::View view_before = shutter.view_at(posed, 0);
     double pixels = 0, of_camera = 0;
     for (int i = 1; i < k_probes; ++i) {
-        const scene::FrameChanges& changes = posed.advance(probe(i));
-        const scene::View now = shutter.view_at(posed, probe(i));
+        if (shutter.host) shutter.host->apply_pose(posed, fraction(i));
+        const scene::FrameChanges& changes = posed.advance(shutter.at(fraction(i)));
+        const scene::View now = shutter.view_at(posed, fraction(i));
         const bool camera = !same_view(view_before, now);
         if (camera || !changes.lights_moved.empty() || !changes.lights_relit.empty() ||
             !changes.materials_changed.empty())

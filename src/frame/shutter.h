@@ -16,15 +16,18 @@ namespace gnomon::frame {
 
 /// When a frame's shutter is open. Its middle is the frame's time.
 struct Shutter {
+    static constexpr double k_middle = 0.5;   // fraction of the opening at which the image without blur is
+
     double open = 0, close = 0;   // seconds; equal: nothing moves
+    double middle = 0;            // as the frame has it
     /// What moves stands still before and after.
     double first = -k_infinity, last = k_infinity;
-    /// The frame's view at a time, at which the state is.
-    std::function<scene::View(const scene::SceneState&, double time)> view_at{};
+    /// The frame's view at a fraction of the opening, at which the state is.
+    std::function<scene::View(const scene::SceneState&, double fraction)> view_at{};
     const HostValues* host = nullptr;   // of the frame
 
-    /// The middle of one of several parts of equal length.
-    double time(int part, int parts) const { return at((part + 0.5) / parts); }
+    /// The fraction of the middle of one of several parts of equal length.
+    static double fraction(int part, int parts) { return (part + 0.5) / parts; }
     /// The time at a fraction of the opening.
     double at(double fraction) const { return std::clamp(open + (close - open) * fraction, first, last); }
 };

@@ -105,7 +105,7 @@ shared::GpuLight convert(const scene::Light& light, const scene::LightState& sta
     g.cos_outer = std::cos(light.outer_angle);
     g.cos_inner = std::cos(std::min(light.inner_angle, light.outer_angle));
     g.constant_falloff = light.falloff == scene::Falloff::constant ? 1 : 0;
-    g.cosine_profile = light.profile == scene::SpotProfile::cosine ? 1 : 0;
+    g.profile = static_cast<std::uint32_t>(light.profile);
     g.of_environment = light.of_environment ? 1 : 0;
     return g;
 }

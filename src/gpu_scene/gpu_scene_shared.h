@@ -95,6 +95,10 @@ struct GpuTexture {
 #define GNOMON_LIGHT_SPOT 1u
 #define GNOMON_LIGHT_DIRECTIONAL 2u
 
+#define GNOMON_SPOT_SMOOTH 0u
+#define GNOMON_SPOT_COSINE 1u
+#define GNOMON_SPOT_SMOOTH_COSINE 2u
+
 struct GpuLight {
     vec3 color;
     uint type;
@@ -104,7 +108,7 @@ struct GpuLight {
     uint shown;
     float cos_inner, cos_outer;
     uint constant_falloff;   // else inverse square
-    uint cosine_profile;     // else smooth
+    uint profile;            // GNOMON_SPOT_...
     uint of_environment;
 };
 
@@ -143,7 +147,7 @@ GNOMON_MEMBERS(GpuLayers, specular_color, specular, sheen_color, sheen_roughness
                iridescence_thickness_texture, transmission_texture, thickness_texture)
 GNOMON_MEMBERS(GpuTexture, width, height, levels, wrap_u, wrap_v, magnify, minify, first)
 GNOMON_MEMBERS(GpuLight, color, type, position, range, direction, shown, cos_inner, cos_outer, constant_falloff,
-               cosine_profile, of_environment)
+               profile, of_environment)
 GNOMON_MEMBERS(GpuDrawCommand, index_count, instance_count, first_index, vertex_offset, first_instance)
 GNOMON_MEMBERS(CullCounts, drawn, triangles)
 GNOMON_MEMBERS(CullPush, planes, draws, classes)

@@ -26,12 +26,12 @@ bool illuminate(GpuLight light, vec3 point, out vec3 to_light, out vec3 irradian
     if (light.type == GNOMON_LIGHT_SPOT) {
         const float cosine = -dot(to_light, light.direction);
         if (cosine <= light.cos_outer) return false;
-        if (light.cosine_profile != 0) {
+        if (light.profile == GNOMON_SPOT_COSINE) {
             strength *= cosine;
         } else {
             const float fade =
                 clamp((cosine - light.cos_outer) / max(light.cos_inner - light.cos_outer, 1e-4), 0, 1);
-            strength *= fade * fade;
+            strength *= light.profile == GNOMON_SPOT_SMOOTH ? fade * fade : cosine * fade * fade * (3 - 2 * fade);
         }
     }
     irradiance = min(light.color * strength, vec3(k_most_irradiance));

@@ -62,7 +62,8 @@ LightSample illuminate(const Light& light, const LightState& state, const glm::v
             // Apply the angular attenuation of KHR_lights_punctual.
             const float inner = std::cos(std::min(light.inner_angle, light.outer_angle));
             const float fade = std::clamp((cosine - outer) / std::max(inner - outer, 1e-4f), 0.0f, 1.0f);
-            strength *= fade * fade;
+            strength *=
+                light.profile == SpotProfile::smooth ? fade * fade : cosine * fade * fade * (3.0f - 2.0f * fade);
         }
     }
     sample.irradiance = bounded(light.color * strength);

@@ -16,8 +16,9 @@ struct LightTrack;
 enum class LightType : std::uint8_t { point, spot, directional };
 /// How irradiance falls off with distance: inverse square (candela), or constant (AFF: irradiance = colour * cos).
 enum class Falloff : std::uint8_t { inverse_square, constant };
-/// The angular profile inside the cone: glTF's smooth step between the two angles, or the cosine from the axis.
-enum class SpotProfile : std::uint8_t { smooth, cosine };
+/// The angular profile inside the cone: glTF's squared ramp between the cosines of the two angles, the cosine from the
+/// axis, or that cosine times the cubic smooth step between the cosines of the angles (Blender).
+enum class SpotProfile : std::uint8_t { smooth, cosine, smooth_cosine };
 
 /// A light, placed at its node's origin and directed along the node's -Z.
 struct Light {

@@ -63,6 +63,7 @@ std::vector<const TextureUse*> texture_uses(const Material& m)
 bool same_values(const Material& a, const Material& b)
 {
     if ((a.layers != nullptr) != (b.layers != nullptr) || a.outline != b.outline) return false;
+    if (a.hidden_from_camera != b.hidden_from_camera) return false;
     if (a.layers && a.layers != b.layers && !same_values(*a.layers, *b.layers)) return false;
     return a.model == b.model && a.double_sided == b.double_sided && a.alpha_mode == b.alpha_mode &&
            same_bits(numbers_of(a), numbers_of(b)) && same_bits(uses_of(a), uses_of(b));

@@ -54,6 +54,7 @@ struct Material {
     float transmission = 0;                         // glass; refracts with `ior` unless the layers say that it is thin
     std::shared_ptr<const MaterialLayers> layers;   // material_layers.h; null: none
     bool outline = false;                           // of an inverted hull: drawn, but casts no shadow
+    bool hidden_from_camera = false;                // traced frames: straight camera rays pass
 
     // AFF [aff-format, `fm`]
     glm::vec3 ambient{0};

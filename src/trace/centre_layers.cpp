@@ -5,6 +5,7 @@
 
 #include "base/check.h"
 #include "base/morton.h"
+#include "trace/hidden_surfaces.h"
 
 namespace gnomon::trace {
 
@@ -54,7 +55,7 @@ struct CentreLayers::Block {
 
 CentreLayers::CentreLayers(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view,
                            const FrameBefore* before)
-    : state_(state), rays_(rays), view_(view), before_(before)
+    : state_(state), rays_(rays), view_(view), before_(before), hides_surfaces_(hides_surfaces(state.scene()))
 {
     if (before) GNOMON_CHECK_EQ(before->state->scene().objects.size(), state.scene().objects.size());
 }
@@ -94,6 +95,9 @@ void CentreLayers::find_hits(Block& block) const
     }
     block.hits.resize(block.rays.size());
     rays_.closest(block.rays, 0, block.rays.size(), block.hits, ray::Sides::front);
+    if (hides_surfaces_)
+        pass_hidden_surfaces(
+            state_.scene(), rays_, block.rays, [](std::size_t) { return true; }, block.hits);
 }
 
 // Stores what the rays of a block hit, and how it moved.

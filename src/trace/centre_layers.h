@@ -64,6 +64,7 @@ class CentreLayers {
     const ray::RayScene& rays_;
     const scene::View& view_;
     const FrameBefore* before_;
+    bool hides_surfaces_;   // see hidden_surfaces.h
 };
 
 }   // namespace gnomon::trace

@@ -10,6 +10,7 @@
 #include "ray/origin.h"
 #include "scene/light_reach.h"
 #include "shading/glossy.h"
+#include "trace/hidden_surfaces.h"
 
 namespace gnomon::trace {
 
@@ -89,6 +90,7 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
     if (environment) environment_.emplace(*environment, rays_);
     sees_image_ = environment_ && environment_->has_image();
     thins_light_ = rays_.thins_light();
+    hides_surfaces_ = trace::hides_surfaces(scene_);
     open_sky_ = glm::vec3(0);
     if (scene_.background.kind == scene::Background::Kind::sky) {
         // As the light of a sky is computed: by bounces, or unoccluded.
@@ -261,6 +263,9 @@ void TileTracer::trace_queue(const PathQueue& queue)
     if (queue.rays.empty()) return;
     hits_.resize(queue.rays.size());
     rays_.closest(queue.rays, 0, queue.rays.size(), hits_, ray::Sides::front);
+    if (hides_surfaces_)
+        pass_hidden_surfaces(
+            scene_, rays_, queue.rays, [&](std::size_t i) { return queue.paths[i].straight; }, hits_);
     if (log_) log_->entries.push_back({queue.rays, false});
 }
 

@@ -166,6 +166,7 @@ class TileTracer {
     Tile tile_;
     PathQueue primary_, reflected_, refracted_, next_reflected_, next_refracted_;
     ray::Hits hits_;
+    bool hides_surfaces_ = false;             // see hidden_surfaces.h
     std::vector<std::uint64_t> order_;        // of hits_, see sort_hits()
     std::vector<std::uint32_t> first_hits_;   // by object, while hits are ordered; none: not hit
     // By point. Apart, because every light reads all of the last two.

@@ -298,7 +298,7 @@ TEST(Misuse, ValuesThatAreNotFiniteOrOutOfRange)
     light(&Light::range, k_nan, k_inf, -1.0f);
     light(&Light::type, static_cast<LightType>(3));
     light(&Light::falloff, static_cast<Falloff>(2));
-    light(&Light::profile, static_cast<SpotProfile>(2));
+    light(&Light::profile, static_cast<SpotProfile>(3));
     const auto camera = [&](auto member, auto... values) {
         for (const auto& value : {values...}) {
             Camera c;

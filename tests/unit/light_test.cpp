@@ -61,6 +61,11 @@ TEST(Illuminate, SpotsFadeBetweenTheirAngles)
     light.profile = SpotProfile::cosine;
     EXPECT_NEAR(at_angle(0.55f), std::cos(0.55f), 1e-6f);
     EXPECT_EQ(at_angle(0.81f), 0);
+    light.profile = SpotProfile::smooth_cosine;
+    for (const float angle : {0.1f, 0.4f, 0.7f}) {
+        const float fade = std::min(1.0f, (std::cos(angle) - std::cos(0.8f)) / (std::cos(0.3f) - std::cos(0.8f)));
+        EXPECT_NEAR(at_angle(angle), std::cos(angle) * fade * fade * (3 - 2 * fade), 1e-5f) << angle;
+    }
 }
 
 }   // namespace

@@ -53,5 +53,12 @@ TEST(Manual, OptionsPageOfTheGuideIsUpToDate)
     EXPECT_EQ(page.str(), options_page()) << "build gnomon_documents, and let it write options.md";
 }
 
+TEST(Manual, OptionsOfTheBlenderAddOnAreTheOnesOfTheTable)
+{
+    std::ostringstream table;
+    table << std::ifstream(gnomon::test::places::source_folder + "/blender/gnomon_render/options.json").rdbuf();
+    EXPECT_EQ(table.str(), options_json()) << "build gnomon_documents, and let it write options.json";
+}
+
 }   // namespace
 }   // namespace gnomon::cli
