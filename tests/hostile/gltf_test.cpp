@@ -287,10 +287,10 @@ TEST_F(HostileGltf, ReadsAFileWithManyNamesOnce)
 
 TEST_F(HostileGltf, LimitsTrianglesOfInstances)
 {
-    // 24 bytes of the file per instance, each with a hundred thousand triangles.
+    // Some 30 bytes of the file per instance, each with a hundred thousand triangles.
     constexpr int count = 20000, triangles = 100'000;
     std::ofstream(folder_ / "t.bin", std::ios::binary) << triangle_bytes() + std::string(12 * triangles, '\0');
-    const auto nodes = repeated(count, [](int) { return std::string("{\"mesh\":0}"); });
+    const auto nodes = repeated(count, [](int i) { return fmt::format(R"({{"mesh":0,"translation":[{},0,0]}})", i); });
     const Outcome outcome =
         load(document(R"("buffers":[{"uri":"t.bin","byteLength":1200108}],"bufferViews":[{"buffer":0,"byteLength":36},)"
                       R"({"buffer":0,"byteOffset":108,"byteLength":1200000}],"accessors":[)"

@@ -64,7 +64,7 @@ TEST(NearPatches, LightAtTheFootOfAWallIsThatOfTheReference)
     options.layers = true;
     options.bounces = 2;
     const std::vector<float> image = indirect_of(Renderer(options).render(scene, 1));
-    options.reference = ReferenceLightOptions{400, 2, 0};
+    options.reference = ReferenceLightOptions{1000, 2, 0};
     const std::vector<double> truth = blocks(indirect_of(Renderer(options).render(scene, 1)), k_size),
                               got = blocks(image, k_size);
     double square = 0, sum = 0, sum_truth = 0, most = 0;
