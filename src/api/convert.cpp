@@ -164,7 +164,7 @@ std::shared_ptr<const scene::MaterialLayers> layers_to_scene(const MaterialLayer
     scene::MaterialLayers result;
     copy_layer_values(m, result);
     for (const auto& [outer, inner] : k_layer_textures) result.*inner = to_scene(m.*outer, stamps, owner);
-    return std::make_shared<const scene::MaterialLayers>(std::move(result));
+    return std::make_shared<const scene::MaterialLayers>(result);
 }
 
 }   // namespace

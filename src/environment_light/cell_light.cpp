@@ -12,7 +12,6 @@ namespace gnomon::environment_light {
 
 namespace {
 
-constexpr float k_float_pi = static_cast<float>(k_pi);
 constexpr double k_units = 1 << 29;   // of all flux of a colour
 constexpr std::size_t k_lanes = 8;
 
