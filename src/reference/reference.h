@@ -25,10 +25,9 @@
 // `shining`, emissive surfaces emit light, whatever other lights there are, in place of the lights that approximate
 // them (scene/defaults/emissive_lights.h), and are sampled in the same two ways. Otherwise lights alone do.
 //
-// All decisions of a path are points of scrambled low-discrepancy sequences (sample_pattern.h); paths of low throughput end
-// at random from the second bounce on. The result is the same for any number of threads: a point's random numbers depend
-// on the seed and its key alone.
-// Cost: a sample is one ray and at most one shadow ray per bounce, in packets.
+// All decisions of a path are points of scrambled low-discrepancy sequences (sample_pattern.h); paths of low throughput
+// end at random from the second bounce on. The result is the same for any number of threads: a point's random numbers
+// depend on the seed and its key alone. Cost: a sample is one ray and at most one shadow ray per bounce, in packets.
 
 #include <memory>
 #include <span>

@@ -21,8 +21,7 @@ const std::vector<SamplePattern::Point>& SamplePattern::points(int count)
 
 namespace {
 
-// Scrambles the bits of a fraction, each by those above it [Laine and Karras 2011, Section 3.3]; with the bits in
-// reverse.
+// Scrambles the bits of a fraction, each by those above it [Laine and Karras 2011]. The bits are in reverse.
 std::uint32_t scramble_reversed(std::uint32_t x, std::uint32_t seed)
 {
     x += seed;

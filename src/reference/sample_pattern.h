@@ -30,9 +30,8 @@ class SamplePattern {
 };
 
 /// The random numbers of one path. Each decision has a point of its own sequence: the (0, 2)-sequence with Owen's
-/// scrambling [1998] by hashes of the decision [Burley 2020, "Practical Hash-based Owen Scrambling", Listing 4; the
-/// hash is Laine and Karras's, 2011]. Over the paths of a batch, every decision is spread over the square as evenly as
-/// the first.
+/// scrambling [1998], by hashes of the decision [Burley 2020, "Practical Hash-based Owen Scrambling"; Laine and Karras
+/// 2011]. Over the paths of a batch, every decision is spread over the square as evenly as the first.
 class PathNumbers {
  public:
     /// @param seed   of the batch
@@ -43,6 +42,7 @@ class PathNumbers {
     float one(std::uint32_t decision) const;
 
  private:
+    /// The path's place in the shuffled sequence of a decision with this seed.
     std::uint32_t shuffled(std::uint64_t seed) const;
     std::uint64_t seed_;
     std::uint32_t index_;

@@ -45,6 +45,41 @@ IrradiancePoint point_at(const glm::vec3& position, const glm::vec3& normal, std
     return point;
 }
 
+// 16 paths of a batch: each decision has one point in each cell of 4 x 4, and in each sixteenth of both sides.
+TEST(PathNumbers, EachDecisionIsSpreadEvenly)
+{
+    for (std::uint64_t seed = 1; seed <= 20; ++seed)
+        for (std::uint32_t decision = 0; decision < 20; ++decision) {
+            int cells[16] = {}, columns[16] = {}, rows[16] = {}, singles[16] = {};
+            for (std::uint32_t path = 0; path < 16; ++path) {
+                const reference::PathNumbers numbers(seed, path);
+                const glm::vec2 at = numbers.pair(decision);
+                ++cells[4 * static_cast<int>(4 * at.y) + static_cast<int>(4 * at.x)];
+                ++columns[static_cast<int>(16 * at.x)], ++rows[static_cast<int>(16 * at.y)];
+                ++singles[static_cast<int>(16 * numbers.one(decision))];
+            }
+            for (int i = 0; i < 16; ++i)
+                EXPECT_TRUE(cells[i] == 1 && columns[i] == 1 && rows[i] == 1 && singles[i] == 1)
+                    << seed << ' ' << decision << ' ' << i;
+        }
+}
+
+// Two decisions of a path are uncorrelated, over paths and over batches.
+TEST(PathNumbers, DecisionsAreIndependent)
+{
+    double product = 0, mean = 0;
+    constexpr int k_batches = 4000, k_paths = 8;
+    for (int batch = 0; batch < k_batches; ++batch)
+        for (std::uint32_t path = 0; path < k_paths; ++path) {
+            const reference::PathNumbers numbers(static_cast<std::uint64_t>(batch), path);
+            const double a = numbers.pair(5).x - 0.5, b = numbers.pair(12).x - 0.5;
+            product += a * b, mean += a;
+        }
+    constexpr double k_count = k_batches * k_paths;
+    EXPECT_NEAR(12 * product / k_count, 0, 4 / std::sqrt(k_count));   // standard error: 1 / sqrt(count)
+    EXPECT_NEAR(mean / k_count, 0, 0.005);
+}
+
 // A rectangle in y = 0 around the origin, with half its side lengths in `half`.
 scene::Mesh rectangle(const glm::vec2& half)
 {

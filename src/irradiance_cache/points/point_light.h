@@ -117,13 +117,14 @@ void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTeste
     near_field_.find_static(frame, points_, counters);   // before any point is complete
     counters.rays += near_.rays();
     glm::vec3 rest[3] = {};
+    const bool patches = frame.lights.patch_light() != nullptr;   // without them, no light is local
     for (std::size_t a = 0; a < added_.size(); ++a) {
         const std::size_t last = a + 1 < added_.size() ? added_[a + 1].first : rays_.size();
         seen_.clear();
         for (std::size_t r = added_[a].first; r < last; ++r)
             if (!occluded_[r]) seen_.push_back(pack_seen(nodes_[r], weights_[r]));
         CachePoint& point = *added_[a].point;
-        const bool near = added_[a].near != NearPatches::k_none, lattice = is_lattice(point.key);
+        const bool near = added_[a].near != NearPatches::k_none, lattice = patches && is_lattice(point.key);
         if (lattice) add_close_nodes(frame, added_[a]);
         const float reach = lattice ? k_close * lattice_spacing(point.key) : 0;
         if (near) added_[a].close += near_.find(frame, point, added_[a].near, seen_, rest, reach);
