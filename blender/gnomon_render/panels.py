@@ -21,15 +21,19 @@ class _Panel:
     def poll(cls, context) -> bool:
         return context.engine == ENGINE
 
+    def column(self):
+        """The panel's layout: labels to the left of values, which are not animated."""
+        self.layout.use_property_split = True
+        self.layout.use_property_decorate = False
+        return self.layout
+
 
 class GNOMON_RENDER_PT_sampling(_Panel, bpy.types.Panel):
     bl_context = "render"
     bl_label = "Sampling"
 
     def draw(self, context) -> None:
-        layout, settings = self.layout, context.scene.gnomon
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, settings = self.column(), context.scene.gnomon
         layout.prop(settings, "adaptive")
         row = layout.row()
         row.active = not settings.adaptive
@@ -43,9 +47,7 @@ class GNOMON_RENDER_PT_light(_Panel, bpy.types.Panel):
     bl_label = "Light"
 
     def draw(self, context) -> None:
-        layout, settings = self.layout, context.scene.gnomon
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, settings = self.column(), context.scene.gnomon
         layout.prop(settings, "indirect")
         column = layout.column()
         column.active = settings.indirect == "visible"
@@ -65,8 +67,7 @@ class GNOMON_RENDER_PT_motion_blur(_Panel, bpy.types.Panel):
         self.layout.prop(context.scene.render, "use_motion_blur", text="")
 
     def draw(self, context) -> None:
-        layout, render = self.layout, context.scene.render
-        layout.use_property_split = True
+        layout, render = self.column(), context.scene.render
         layout.active = render.use_motion_blur
         layout.prop(render, "motion_blur_shutter")
 
@@ -76,8 +77,7 @@ class GNOMON_RENDER_PT_background(_Panel, bpy.types.Panel):
     bl_label = "Background"
 
     def draw(self, context) -> None:
-        self.layout.use_property_split = True
-        self.layout.prop(context.scene.render, "film_transparent", text="Transparent")
+        self.column().prop(context.scene.render, "film_transparent", text="Transparent")
 
 
 class GNOMON_RENDER_PT_performance(_Panel, bpy.types.Panel):
@@ -85,9 +85,7 @@ class GNOMON_RENDER_PT_performance(_Panel, bpy.types.Panel):
     bl_label = "Performance"
 
     def draw(self, context) -> None:
-        layout, settings, render = self.layout, context.scene.gnomon, context.scene.render
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, settings, render = self.column(), context.scene.gnomon, context.scene.render
         layout.prop(render, "use_persistent_data", text="Persistent Data")
         layout.prop(render, "threads_mode")
         if render.threads_mode == "FIXED":
@@ -103,9 +101,7 @@ class GNOMON_VIEWLAYER_PT_passes(_Panel, bpy.types.Panel):
     bl_label = "Passes"
 
     def draw(self, context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = self.column()
         column = layout.column(heading="Data")
         for name in ("use_pass_z", "use_pass_normal", "use_pass_vector", "use_pass_object_index"):
             column.prop(context.view_layer, name)

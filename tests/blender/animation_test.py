@@ -6,14 +6,7 @@ import sys
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from support import *  # noqa: E402, F403
 
-
-def keyed(block, path: str, values: dict, index: int = -1) -> None:
-    for frame, value in values.items():
-        if index >= 0:
-            getattr(block, path)[index] = value
-        else:
-            setattr(block, path, value)
-        block.keyframe_insert(path, index=index, frame=frame)
+from courtyard import key_linear as keyed  # noqa: E402
 
 
 def make_stage():

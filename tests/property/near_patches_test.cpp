@@ -11,27 +11,41 @@
 namespace gnomon {
 namespace {
 
+MeshId add_sheet(SceneBuilder& builder, const std::vector<std::uint32_t>& triangles)
+{
+    const std::vector<Vec3> square{{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0.5f, 0, 0.5f}, {-0.5f, 0, 0.5f}};
+    return builder.mesh({.positions = square, .indices = triangles});
+}
+
+const std::vector<std::uint32_t> k_up{0, 2, 1, 0, 3, 2}, k_down{0, 1, 2, 0, 2, 3};
+
+Transform upright()
+{
+    return Transform::rotation({1, 0, 0}, 1.5707963267948966);
+}
+
+// Completes a scene by an even sky and a camera.
+Scene finish(SceneBuilder& builder, const Vec3& eye, const Vec3& target, double field_of_view)
+{
+    const std::vector<float> sky(2 * 3, 1.0f);
+    builder.environment({.width = 2, .height = 1, .pixels = sky});
+    Camera camera;
+    camera.transform = Transform::look_at(eye, target);
+    camera.vertical_fov = field_of_view;
+    builder.camera(camera);
+    return builder.finish();
+}
+
 // A white block on a white floor under an even sky, seen closely where they meet.
 Scene foot_of_a_block()
 {
     SceneBuilder builder;
-    const std::vector<Vec3> square{{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0.5f, 0, 0.5f}, {-0.5f, 0, 0.5f}};
-    const std::vector<std::uint32_t> up{0, 2, 1, 0, 3, 2};
     const MaterialId white = builder.material({.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .ior = 1});
-    const MeshId sheet = builder.mesh({.positions = square, .indices = up});
+    const MeshId sheet = add_sheet(builder, k_up);
     builder.instance(sheet, white, Transform::scaling(4, 1, 4));
-    constexpr double k_quarter = 1.5707963267948966;
-    builder.instance(
-        sheet, white,
-        Transform::translation(0, 0.5, 0) * Transform::rotation({1, 0, 0}, k_quarter) * Transform::scaling(2, 1, 1));
+    builder.instance(sheet, white, Transform::translation(0, 0.5, 0) * upright() * Transform::scaling(2, 1, 1));
     builder.instance(sheet, white, Transform::translation(0, 1, -0.5) * Transform::scaling(2, 1, 1));
-    const std::vector<float> sky(2 * 3, 1.0f);
-    builder.environment({.width = 2, .height = 1, .pixels = sky});
-    Camera camera;
-    camera.transform = Transform::look_at({0.35f, 0.35f, 1.2f}, {0.3f, 0, 0});
-    camera.vertical_fov = 0.25;
-    builder.camera(camera);
-    return builder.finish();
+    return finish(builder, {0.35f, 0.35f, 1.2f}, {0.3f, 0, 0}, 0.25);
 }
 
 std::vector<float> indirect_of(const Frame& frame)
@@ -95,27 +109,16 @@ TEST(NearPatches, LightAtTheFootOfAWallIsThatOfTheReference)
 Scene plate_above_a_floor(float x)
 {
     SceneBuilder builder;
-    const std::vector<Vec3> square{{-0.5f, 0, -0.5f}, {0.5f, 0, -0.5f}, {0.5f, 0, 0.5f}, {-0.5f, 0, 0.5f}};
-    const std::vector<std::uint32_t> up{0, 2, 1, 0, 3, 2}, down{0, 1, 2, 0, 2, 3};
     const MaterialId white = builder.material({.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .ior = 1});
     const MaterialId luminous =
         builder.material({.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .emissive = {500, 500, 500}, .ior = 1});
-    const MeshId sheet = builder.mesh({.positions = square, .indices = up});
-    const MeshId ceiling = builder.mesh({.positions = square, .indices = down});
+    const MeshId sheet = add_sheet(builder, k_up);
+    const MeshId ceiling = add_sheet(builder, k_down);
     builder.instance(sheet, white, Transform::scaling(4, 1, 4));
-    constexpr double k_quarter = 1.5707963267948966;
-    builder.instance(
-        sheet, white,
-        Transform::translation(0, 1, -1) * Transform::rotation({1, 0, 0}, k_quarter) * Transform::scaling(4, 1, 2));
+    builder.instance(sheet, white, Transform::translation(0, 1, -1) * upright() * Transform::scaling(4, 1, 2));
     builder.instance(ceiling, luminous, Transform::translation(x, 0.002, 0) * Transform::scaling(0.6, 1, 0.6));
     builder.instance(sheet, white, Transform::translation(x, 0.003, 0) * Transform::scaling(0.6, 1, 0.6));
-    const std::vector<float> sky(2 * 3, 1.0f);
-    builder.environment({.width = 2, .height = 1, .pixels = sky});
-    Camera camera;
-    camera.transform = Transform::look_at({0.01f, 3, 0.5f}, {0, 0, 0});
-    camera.vertical_fov = 0.6;
-    builder.camera(camera);
-    return builder.finish();
+    return finish(builder, {0.01f, 3, 0.5f}, {0, 0, 0}, 0.6);
 }
 
 TEST(NearPatches, LightAtTheMouthOfAGapStaysThere)
