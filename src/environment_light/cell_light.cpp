@@ -21,7 +21,8 @@ constexpr std::array<float, k_lobes> k_roughness = {0.1f, 0.15f, 0.22f, 0.32f, 0
 constexpr std::array<int, k_lobes> k_lobe_side = {160, 128, 96, 64, 48, 32, 24};
 constexpr int k_finest_side = 256;   // of the radiance that lobes are gathered from
 constexpr int k_coarsest_side = 4;
-constexpr float k_accuracy = 0.5f;   // a cell that lobes are gathered from is at most this fraction of their width
+constexpr float k_least_seen = 0.02f;   // of a lobe: from less, the mean of what is visible is not known
+constexpr float k_accuracy = 0.5f;      // a cell that lobes are gathered from is at most this fraction of their width
 
 // The weight of light from a direction whose cosine to the mirror direction is c, for a lobe that is seen along the
 // normal: the distribution of normals times the cosine [Karis 2013], without constant factors.
@@ -271,8 +272,8 @@ glm::vec3 CellLight::blurred(const glm::vec3& direction, float roughness) const
     return glm::mix(lobes_->tables[above - 1].at(direction), lobes_->tables[above].at(direction), t);
 }
 
-glm::vec3 CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> seen,
-                             std::span<const PartialCell> partial, float* share_seen) const
+SeenByLobe CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> seen,
+                              std::span<const PartialCell> partial) const
 {
     const float roughness = std::max(lobe.roughness, options_.least_roughness);
     const float alpha = roughness * roughness, a2 = alpha * alpha;
@@ -285,14 +286,14 @@ glm::vec3 CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> se
                                      {flux_[0].data(), flux_[1].data(), flux_[2].data()},
                                      angle_.data()},
                                     seen);
-    float angle = 0;
-    for (const float of_lane : sums.angles) angle += of_lane;
+    float angle = 0, visible_angle = 0;
+    for (std::size_t i = 0; i < k_sum_lanes; ++i) angle += sums.angles[i], visible_angle += sums.visible_angles[i];
     glm::vec3 share(0), mean(0), more(0);
     for (const PartialCell& cell : partial) {
         const float whole = (seen[cell.leaf / 64] >> (cell.leaf % 64) & 1) != 0 ? 1.0f : 0.0f;
-        more += (cell.share - whole) *
-                lobe_weight(weighted, {mean_[0][cell.leaf], mean_[1][cell.leaf], mean_[2][cell.leaf]}) *
-                cells_.flux(cell.leaf);
+        const float weight = (cell.share - whole) *
+                             lobe_weight(weighted, {mean_[0][cell.leaf], mean_[1][cell.leaf], mean_[2][cell.leaf]});
+        more += weight * cells_.flux(cell.leaf), visible_angle += weight * angle_[cell.leaf];
     }
     for (int colour = 0; colour < 3; ++colour) {
         const auto c = static_cast<std::size_t>(colour);
@@ -301,14 +302,20 @@ glm::vec3 CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> se
         share[colour] = whole > 0 ? std::clamp((part + more[colour]) / whole, 0.0f, 1.0f) : 0;
         mean[colour] = angle > 0 ? whole / angle : 0;
     }
+    // Of few cells the mean is uncertain: it fades into that of all.
+    const float visible = angle > 0 ? std::clamp(visible_angle / angle, 0.0f, 1.0f) : 0;
+    SeenByLobe result;
+    result.open = (mean * share + k_least_seen * mean) / (visible + k_least_seen);
     const float by_cells =
         std::clamp((lobe.roughness - options_.by_tables) / (options_.by_cells - options_.by_tables), 0.0f, 1.0f);
-    if (by_cells < 1) mean = glm::mix(blurred(lobe.mirrored, lobe.roughness), mean, by_cells);
-    if (share_seen) {
-        const float all = luminance(mean);
-        *share_seen = all > 0 ? luminance(mean * share) / all : 0;
+    if (by_cells < 1) {
+        const glm::vec3 by_table = blurred(lobe.mirrored, lobe.roughness);
+        mean = glm::mix(by_table, mean, by_cells), result.open = glm::mix(by_table, result.open, by_cells);
     }
-    return mean * share;
+    result.light = mean * share;
+    const float all = luminance(mean);
+    if (all > 0) result.share = luminance(result.light) / all;
+    return result;
 }
 
 std::size_t CellLight::bytes() const

@@ -42,6 +42,13 @@ struct Lobe {
     float roughness = 1;               // perceptual
 };
 
+struct SeenByLobe {
+    glm::vec3 light{
+        0};            // of visible cells, as a mean over all of the lobe: of an even sky, its radiance if all is seen
+    float share = 0;   // how much of the light of all of the lobe that is, by luminance
+    glm::vec3 open{0};   // the mean radiance where the lobe sees the environment: what its rays show that meet nothing
+};
+
 /// A function of the direction, as a table over the vertices of a square that folds to an octahedron
 /// [Cigolle et al. 2014]: continuous, and bilinear between them.
 class DirectionTable {
@@ -78,13 +85,11 @@ class CellLight {
 
     /// The mean radiance that a lobe around a mirror direction sees. @param roughness  perceptual
     glm::vec3 blurred(const glm::vec3& direction, float roughness) const;
-    /// What a lobe sees of the visible cells, as a mean over all of the lobe: where it sees all of an even sky, the
-    /// sky's radiance.
+    /// What a lobe sees.
     /// @param seen     a bit for each leaf
     /// @param partial  cells of which a share is visible, whatever their bit
-    /// @param share_seen  out: how much of the light of all of the lobe that is, by luminance
-    glm::vec3 seen_by(const Lobe& lobe, std::span<const std::uint64_t> seen, std::span<const PartialCell> partial = {},
-                      float* share_seen = nullptr) const;
+    SeenByLobe seen_by(const Lobe& lobe, std::span<const std::uint64_t> seen,
+                       std::span<const PartialCell> partial = {}) const;
     std::size_t bytes() const;
 
  private:

@@ -18,8 +18,8 @@ constexpr float k_much = 1 / 4.0f, k_finest = 1 / 2.0f;   // of the light above;
 constexpr float k_alone = 16;
 // A point that sees less than this fraction of the light above it looks for windows that scouts missed.
 constexpr float k_dark = 1 / 16.0f;
-// Where points in the dark see the sky in at most so many families together, it may be through less than a cell.
-constexpr std::ptrdiff_t k_small_window = 3;
+// Where points in the dark see at most so many cells each, on average, some may be visible through a small part only.
+constexpr std::size_t k_small_window = 2;
 // Shares at guides are interpolated if what the cell brings differs by at most this fraction of the visible light.
 constexpr float k_alike = 1 / 32.0f;
 // Cells on which guides disagree are interpolated if what they bring together differs by at most this fraction.
@@ -33,6 +33,13 @@ int level_of(float light, float all)
     int level = 0;
     while (level < k_rounds && light > k_divided_above[static_cast<std::size_t>(level)] * all) ++level;
     return level;
+}
+
+// The part of a leaf at which points in the dark look in turn: the first ones in different quarters.
+std::uint32_t part_in_turn(std::uint32_t turn, std::size_t leaf)
+{
+    const std::uint32_t part = (turn & 3) << 4 | (turn & 12) | turn >> 4;
+    return part ^ (static_cast<std::uint32_t>(leaf) * 0x9e3779b1u >> 26);
 }
 
 // Whether the bits of a mask are all set, or none is.
@@ -153,7 +160,8 @@ void CellVisibility::look_for_windows(const Query& query) const
                 if ((mask[w] & bits) != 0) scratch.windows[f] = 1;
             });
     }
-    scratch.small_windows = std::ranges::count(scratch.windows, 1) <= k_small_window;
+    glance_between(query);
+    scratch.small_windows = scratch.glimpses.size() <= k_small_window * dark.size();
     // Decide the cells around windows at all of them.
     std::vector<std::uint64_t>& around = scratch.affected;
     around.assign(query.seen.words, 0);
@@ -165,6 +173,62 @@ void CellVisibility::look_for_windows(const Query& query) const
     }
     decide_wanted(query, 0);
     for (const std::uint32_t k : dark) measure_light(query, k);
+}
+
+// Looks from points in the dark into one part of each cell, neighbours into different parts, so that a window that is
+// narrower than a cell is found by one of them.
+void CellVisibility::glance_between(const Query& query) const
+{
+    Scratch& scratch = query.scratch;
+    const PartDirections& parts = part_directions();
+    const auto flush = [&](ray::Against against) {
+        const std::size_t rays = scratch.part_queue.size();
+        if (rays == 0) return;
+        scratch.counters.rays += rays;
+        scratch.occluded.resize(rays + ray::k_packet_pad);
+        surroundings_.rays().occluded(scratch.part_queue, 0, rays, scratch.occluded.data(), against);
+        for (std::size_t r = 0; r < rays; ++r)
+            if (!scratch.occluded[r]) scratch.glimpses.push_back(scratch.glance_targets[r]);
+        scratch.part_queue.clear(), scratch.glance_targets.clear();
+    };
+    for (const bool on_dynamic : {false, true}) {
+        const ray::Against against = on_dynamic ? ray::Against::everything : ray::Against::static_only;
+        for (std::uint32_t number = 0; number < scratch.dark.size(); ++number) {
+            const std::uint32_t k = scratch.dark[number];
+            Scratch::Asked& own = scratch.asked[k];
+            if (own.on_dynamic != on_dynamic) continue;
+            const std::uint32_t turn = number % k_parts;
+            scratch.glance[k] = turn;
+            // Take what is remembered of the same parts.
+            const auto [first, count] = scratch.known_of[k];
+            const std::span<const KnownParts> known(scratch.known_parts.data() + first, count);
+            if (!known.empty() && known.back().leaf == k_last_glimpse && known.back().seen == turn) {
+                for (const KnownParts& glimpse : known)
+                    if (glimpse.leaf >= k_glimpse && glimpse.leaf != k_last_glimpse)
+                        scratch.glimpses.push_back(
+                            {k, glimpse.leaf - k_glimpse, static_cast<std::uint32_t>(glimpse.seen)});
+                continue;
+            }
+            own.fresh = true;
+            const visibility::ShadowPoint& p = query.point(k);
+            for_each_bit(query.of(scratch.above, k), [&](std::size_t leaf) {
+                if (!has(looked_into_, leaf)) return;
+                const std::uint32_t part = part_in_turn(turn, leaf);
+                const glm::vec3& way = parts.direction(leaf, part);
+                if (!(glm::dot(way, p.normal) > k_least_sine)) return;
+                const Scratch::Glimpse glimpse{k, static_cast<std::uint32_t>(leaf), part};
+                if (own.masks && has(own.masks->whole, leaf)) {
+                    if (has(own.masks->free, leaf)) scratch.glimpses.push_back(glimpse);
+                    return;
+                }
+                scratch.part_queue.push(p.origin, 0, way, k_infinity);
+                scratch.glance_targets.push_back(glimpse);
+            });
+            if (scratch.part_queue.size() >= k_rays_at_once) flush(against);
+        }
+        flush(against);
+    }
+    for (const Scratch::Glimpse& glimpse : scratch.glimpses) scratch.windows[cells_.family_of(glimpse.leaf)] = 1;
 }
 
 // Asks for the cells at the rim of what a point without guides sees.
@@ -266,14 +330,14 @@ void CellVisibility::divide_guided(const Query& query, std::size_t k) const
             divided.share = std::clamp(between, 0.0f, 1.0f);
             divided.done = true, divided.remembered = false;
         } else if (const int level = level_of(brings, unit); level > 0) {
-            look_at(query, k, leaf, level, false);
+            look_at(query, k, leaf, level, scratch.small_windows);
         }
     }
 }
 
 // Asks for the share that a point sees of a cell: by what is proven or remembered, else by rays.
-// @param thorough  begin with more rays
-void CellVisibility::look_at(const Query& query, std::size_t k, std::size_t leaf, int level, bool thorough) const
+// @param small_window  the cell may be visible through less than a sixteenth of it
+void CellVisibility::look_at(const Query& query, std::size_t k, std::size_t leaf, int level, bool small_window) const
 {
     Scratch& scratch = query.scratch;
     const Scratch::Asked& own = scratch.asked[k];
@@ -281,7 +345,8 @@ void CellVisibility::look_at(const Query& query, std::size_t k, std::size_t leaf
     Scratch::Divided divided;
     divided.asked = static_cast<std::uint32_t>(k), divided.leaf = static_cast<std::uint32_t>(leaf);
     divided.level = level;
-    divided.thorough = level == k_rounds || (thorough && level > 1);
+    divided.thorough = level == k_rounds || (small_window && level > 1);
+    divided.fine = level == k_rounds && small_window;
     divided.above = ~std::uint64_t{0};
     if (own.masks && has(own.masks->whole, leaf)) {
         divided.seen = has(own.masks->free, leaf) ? ~std::uint64_t{0} : 0;
@@ -323,7 +388,8 @@ void CellVisibility::trace_parts(const Query& query, std::size_t first) const
                 of.done = of.level == 1 || (all_agree(of.seen, k_of_quarter) && as_cell);
                 if (of.done) of.seen = spread(of.seen, k_of_quarter, 16);
             } else if (round == 1) {
-                of.done = of.level == 2 || all_agree(of.seen, k_of_sixteenth);
+                const bool hidden = (of.seen & k_of_sixteenth) == 0;
+                of.done = of.level == 2 || (all_agree(of.seen, k_of_sixteenth) && !(of.fine && hidden));
                 if (of.done) of.seen = spread(of.seen, k_of_sixteenth, 4);
             } else {
                 of.done = true;

@@ -15,6 +15,10 @@ inline constexpr std::size_t k_block = 16;   // points whose rays in one directi
 inline constexpr float k_least_sine = 1e-3f;
 // Points in the dark look for windows in one of so many sets of directions.
 inline constexpr std::size_t k_window_kinds = 2;
+// In the memory of a point in the dark: a leaf with this bit is one of which a part shows the sky; the last entry says
+// which parts the point looked at.
+inline constexpr std::uint32_t k_glimpse = 0x80000000, k_last_glimpse = 0xffffffff;
+inline constexpr std::uint32_t k_no_glance = 0xffffffff;
 
 template <class Body>
 void for_each_bit(std::span<const std::uint64_t> mask, const Body& body)

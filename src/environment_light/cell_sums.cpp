@@ -30,7 +30,7 @@ LobeSums lobe_sums_of(const WeightedLobe& lobe, const CellLists& cells, std::spa
     const V n_v = hn::Set(d, lobe.n_v), masking = hn::Set(d, lobe.masking);
     LobeSums sums;
     for (std::size_t offset = 0; offset < k_sum_lanes; offset += lanes) {
-        V all[3] = {zero, zero, zero}, visible[3] = {zero, zero, zero}, angles = zero;
+        V all[3] = {zero, zero, zero}, visible[3] = {zero, zero, zero}, angles = zero, visible_angles = zero;
         for (std::size_t first = offset; first < 64 * seen.size(); first += k_sum_lanes) {
             const V x = hn::LoadU(d, cells.mean[0] + first), y = hn::LoadU(d, cells.mean[1] + first),
                     z = hn::LoadU(d, cells.mean[2] + first);
@@ -49,7 +49,9 @@ LobeSums lobe_sums_of(const WeightedLobe& lobe, const CellLists& cells, std::spa
             alignas(8) std::uint8_t bytes[8];
             for (std::size_t i = 0; i < sizeof bytes; ++i) bytes[i] = static_cast<std::uint8_t>(bits >> (8 * i));
             const V kept = hn::IfThenElseZero(hn::LoadMaskBits(d, bytes), weight);
-            angles = hn::Add(angles, hn::Mul(weight, hn::LoadU(d, cells.angle + first)));
+            const V angle = hn::LoadU(d, cells.angle + first);
+            angles = hn::Add(angles, hn::Mul(weight, angle));
+            visible_angles = hn::Add(visible_angles, hn::Mul(kept, angle));
             for (std::size_t c = 0; c < 3; ++c) {
                 const V flux = hn::LoadU(d, cells.flux[c] + first);
                 all[c] = hn::Add(all[c], hn::Mul(weight, flux));
@@ -57,6 +59,7 @@ LobeSums lobe_sums_of(const WeightedLobe& lobe, const CellLists& cells, std::spa
             }
         }
         hn::StoreU(angles, d, sums.angles.data() + offset);
+        hn::StoreU(visible_angles, d, sums.visible_angles.data() + offset);
         for (std::size_t c = 0; c < 3; ++c) {
             hn::StoreU(all[c], d, sums.all[c].data() + offset);
             hn::StoreU(visible[c], d, sums.visible[c].data() + offset);

@@ -33,7 +33,7 @@ struct WeightedLobe {
 
 struct LobeSums {
     std::array<LaneSums, 3> all{}, visible{};   // weight times flux
-    LaneSums angles{};                          // weight times solid angle
+    LaneSums angles{}, visible_angles{};        // weight times solid angle
 };
 
 /// The weight of one direction: the distribution of normals times masking and shadowing of the microfacets [Heitz 2014,

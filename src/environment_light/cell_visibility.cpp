@@ -66,6 +66,7 @@ CellVisibility::CellVisibility(const Surroundings& surroundings, const Direction
     for (const CellFamily& family : cells.families())
         if (family.leaves <= 4)
             for_each_word(family.first, family.leaves, [&](std::size_t w, std::uint64_t bits) { windows[w] |= bits; });
+    looked_into_ = windows;
     in_windows_.assign(k_window_kinds * cells.words(), 0);
     std::size_t number = 0;
     for_each_bit(windows, [&](std::size_t leaf) {
@@ -129,6 +130,9 @@ void CellVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points,
     scratch.light.assign(asked.size(), 0);
     scratch.unit.assign(asked.size(), 0);
     scratch.known_of.assign(asked.size(), {});
+    scratch.glance.assign(asked.size(), k_no_glance);
+    scratch.glimpses.clear();
+    scratch.small_windows = false;
     scratch.counters.points += asked.size();
     const Query query{scratch, points, asked, guides, seen};
     look_up(query, memory);
@@ -481,11 +485,18 @@ void CellVisibility::remember(const Query& query, PointMemory& memory) const
         if (scratch.divided[d].remembered) order.push_back(d);
     std::ranges::sort(order, {},
                       [&](std::uint32_t d) { return std::pair(scratch.divided[d].asked, scratch.divided[d].leaf); });
-    std::size_t next = 0;
+    std::ranges::sort(scratch.glimpses, {}, [](const auto& glimpse) { return std::pair(glimpse.asked, glimpse.leaf); });
+    std::size_t next = 0, glimpse = 0;
     for (std::size_t k = 0; k < query.count(); ++k) {
         scratch.own_parts.clear();
         for (; next < order.size() && scratch.divided[order[next]].asked == k; ++next)
             scratch.own_parts.push_back({scratch.divided[order[next]].leaf, scratch.divided[order[next]].seen});
+        if (scratch.glance[k] != k_no_glance) {
+            for (; glimpse < scratch.glimpses.size() && scratch.glimpses[glimpse].asked == k; ++glimpse)
+                scratch.own_parts.push_back(
+                    {k_glimpse | scratch.glimpses[glimpse].leaf, scratch.glimpses[glimpse].part});
+            scratch.own_parts.push_back({k_last_glimpse, scratch.glance[k]});
+        }
         const Scratch::Asked& own = scratch.asked[k];
         if (!own.is_static || !own.fresh) continue;
         const auto known = query.of(scratch.known, k), free = query.of(scratch.free, k);

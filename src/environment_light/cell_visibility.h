@@ -14,7 +14,8 @@
 // Where a point sees little of the sky, as through a window, a cell is a step that shows. The cells at the rim of what
 // such a point sees are divided: it sees a share of them (PartialCell), by up to 64 rays in directions within the cell
 // (part_directions.h), as many as the cell's light asks for beside that of all visible cells. Points in the dark look
-// for windows that scouts missed. Between guides whose shares are alike, they are interpolated.
+// for windows that scouts missed, neighbours in other parts of cells. Between guides whose shares are alike, they are
+// interpolated.
 //
 // Where points of a smooth surface lie close together, as in an image, most cells are visible from all of them, or from
 // none. A point may therefore have guides around it: rays then go to those cells alone on which the guides do not
@@ -117,6 +118,7 @@ class CellVisibility {
             float share = -1;                                // if that is known otherwise
             bool done = false, remembered = true;            // false: rays did not find it
             bool thorough = false;     // begins with a ray for each sixteenth; of what moves: static parts count
+            bool fine = false;         // has a ray for each part, unless sixteenths all see the sky
             std::uint64_t clear = 0;   // parts that dynamic objects leave
         };
         struct PartTarget {
@@ -154,6 +156,13 @@ class CellVisibility {
         std::vector<std::uint8_t> family_sees;   // bits: some leaf is seen, some is hidden
         std::vector<std::uint8_t> windows;       // by family: whether some point in the dark sees one of its leaves
         std::vector<std::uint32_t> dark;         // points in the dark
+        // Parts of cells in which points in the dark see the sky, by point; and which parts such a point looks at.
+        struct Glimpse {
+            std::uint32_t asked, leaf, part;
+        };
+        std::vector<Glimpse> glimpses;
+        std::vector<std::uint32_t> glance;     // by asked point; k_no_glance: it is not in the dark
+        std::vector<Glimpse> glance_targets;   // by ray of `part_queue`
         bool small_windows = false;
         std::vector<std::uint32_t> union_leaves, order;
         std::vector<PartialCell> partial;
@@ -203,11 +212,12 @@ class CellVisibility {
     void measure_light(const Query& query, std::size_t k) const;
     bool is_dark(const Query& query, std::size_t k) const;
     void look_for_windows(const Query& query) const;
+    void glance_between(const Query& query) const;
     void divide_alone(const Query& query, std::size_t k) const;
     void divide_guided(const Query& query, std::size_t k) const;
     static float share_at(const Query& query, std::size_t k, std::size_t leaf);
     bool guides_are_alike(const Query& query, std::size_t k, std::span<const std::uint64_t> leaves) const;
-    void look_at(const Query& query, std::size_t k, std::size_t leaf, int level, bool thorough) const;
+    void look_at(const Query& query, std::size_t k, std::size_t leaf, int level, bool small_window) const;
     void trace_parts(const Query& query, std::size_t first) const;
     void push_parts(const Query& query, std::size_t first, int round, bool on_dynamic, ray::Against against,
                     std::uint64_t& count) const;
@@ -230,7 +240,8 @@ class CellVisibility {
     float most_luminance_ = 0;
     // Masks of the leaves in which one kind of point in the dark looks for windows, one after the other.
     std::vector<std::uint64_t> in_windows_;
-    std::uint32_t number_ = 0;   // of these cells, in PointMemory
+    std::vector<std::uint64_t> looked_into_;   // all of these
+    std::uint32_t number_ = 0;                 // of these cells, in PointMemory
     const CellVisibility* other_ = nullptr;
     std::vector<std::int32_t> leaf_of_other_;   // by its leaf; -1: these cells have no such leaf
 };

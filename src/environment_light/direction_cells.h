@@ -121,6 +121,8 @@ class DirectionCells {
     std::size_t stand_in_of(std::size_t leaf) const { return stand_in_of_[leaf]; }
     /// All leaves, by the leaf that stands in for them. Without families, empty.
     std::span<const StoodFor> stood_for() const { return stood_for_; }
+    /// The index of the family of a leaf. @pre families() is not empty
+    std::size_t family_of(std::size_t leaf) const { return family_of_[leaf]; }
     /// Adds the leaves in and next to the family of a leaf to a mask; without families, all.
     void add_around(std::size_t leaf, std::span<std::uint64_t> mask) const;
     /// The number of a leaf, or of the cell of the least level that it is in, counted through that level; leaves of one

@@ -118,6 +118,14 @@ glm::vec3 Environment::ambient(const glm::vec3& normal) const
     return glm::max(sum, glm::vec3(0));
 }
 
+glm::vec3 Environment::irradiance(const glm::vec3& normal) const
+{
+    glm::dvec3 sum(0);
+    for (const Cell& cell : cells_)
+        if (cell.light > 0) sum += std::max(glm::dot(cell.weighted / cell.light, glm::dvec3(normal)), 0.0) * cell.flux;
+    return glm::vec3(sum);
+}
+
 Environment::Cell Environment::sum_of(const Part& part) const
 {
     Cell sum;

@@ -37,6 +37,8 @@ class Environment {
     glm::vec3 radiance(const glm::vec3& direction) const;
     /// Irradiance / pi on an unoccluded surface with this unit normal, within a few percent; never negative.
     glm::vec3 ambient(const glm::vec3& normal) const;
+    /// Irradiance on an unoccluded surface with this unit normal. Cost: a sum over some 10,000 parts of the image.
+    glm::vec3 irradiance(const glm::vec3& normal) const;
     /// The integral of radiance over all directions.
     glm::vec3 flux() const { return flux_; }
 

@@ -325,7 +325,7 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
 {
     interruption_point();
     reflected_.assign(batch.points.size(), 0);
-    shown_by_lobes_.assign(batch.points.size(), 0);
+    by_lobes_.assign(batch.points.size(), {});
     asked_.clear();
     for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
         const shading::SurfacePoint& s = batch.points[p].surface;
@@ -348,9 +348,13 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
         const std::size_t shared_rays = point.straight ? PassingLight::k_rays : PassingLight::k_rays_in_mirrors;
         const float highlight = highlight_share(s);
         const glm::vec3 albedo = highlight > 0 ? shading::glossy_albedo(s) : glm::vec3(0);
-        const glm::vec3 weight = (1 - highlight) * point.next.unresolved_weight + highlight * s.coverage * albedo;
+        // Rays of the lobe show the image where they meet nothing.
+        const glm::vec3 by_rays = highlight * point.next.lobe_weight;
+        const glm::vec3 weight =
+            (1 - highlight) * point.next.unresolved_weight + highlight * s.coverage * albedo - by_rays;
         // On a plane, the light itself is interpolated.
-        const bool plane = between && weight == glm::vec3(0) && s.normal == s.geometric_normal;
+        const bool lobe = weight != glm::vec3(0) || by_rays != glm::vec3(0);
+        const bool plane = between && !lobe && s.normal == s.geometric_normal;
         if (between && !plane) {
             see_between(*between);
             seen = between_mask_, partial = between_partial_;
@@ -381,22 +385,24 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
                 radiance +=
                     highlight * (glm::vec3(1) - albedo) * shading::reflect_irradiance(s, {}, glm::vec3(0), irradiance);
         }
-        if (weight != glm::vec3(0)) {
-            float share = 0;
-            radiance += weight * light.light().seen_by({.to_viewer = s.to_viewer,
-                                                        .mirrored = point.next.reflected,
-                                                        .normal = s.normal,
-                                                        .horizon = s.smooth_normal,
-                                                        .roughness = s.roughness},
-                                                       seen, partial, &share);
-            shown_by_lobes_[asked_[k]] = highlight * share;
+        float reflected = 0;
+        if (lobe) {
+            const environment_light::SeenByLobe of_image = light.light().seen_by({.to_viewer = s.to_viewer,
+                                                                                  .mirrored = point.next.reflected,
+                                                                                  .normal = s.normal,
+                                                                                  .horizon = s.smooth_normal,
+                                                                                  .roughness = s.roughness},
+                                                                                 seen, partial);
+            radiance += weight * of_image.light;
+            reflected = luminance(by_rays * of_image.light);
+            by_lobes_[asked_[k]] = {highlight * of_image.share, highlight * of_image.open};
         }
         if (passing_.any() && radiance != glm::vec3(0))
             radiance *= between  ? interpolated(lattice_passes_, *between)
                         : shared ? passing_.from_cells(s.normal, batch.shadow_points[asked_[k]].origin,
                                                        light.visibility().cells(), seen, shared_rays)
                                  : own_passes_[places_.place_of(apart_at_[k])];
-        reflected_[asked_[k]] = luminance(radiance);
+        reflected_[asked_[k]] = luminance(radiance) + reflected;
         add(point, radiance);
     }
 }

@@ -5,7 +5,9 @@
 //
 // Diffuse: the irradiance from all visible directions. Glossy: as with other lights with size (sized_lighting.h), a
 // smooth surface shows the image in the ray that it reflects; the lobe of a rough one sees it blurred, times the
-// visible share, and its reflected ray does not see it; in between, both are blended by roughness. Points that rays of
+// visible share, and its reflected ray does not see it; in between, both are blended by roughness. A surface with rays
+// of its lobe (shading/lobe_rays.h) shows the image where these meet nothing, each with the mean radiance of what the
+// lobe sees of the image: what is hidden and what hides it are then one estimate. Points that rays of
 // lobes meet share places (shared_places.h). What points in mirrors and glass see is interpolated between places
 // (place_lattice.h) where these see nearly as much light as each other.
 //
@@ -78,8 +80,12 @@ class EnvironmentLighting {
                const std::function<void(const TilePoint&, const glm::vec3&)>& add);
     /// Of the last call of light(), by point of the batch: the luminance of the radiance that it added.
     std::span<const float> reflected() const { return reflected_; }
-    /// Likewise: what the lobe showed of the image, as a share of what it reflects.
-    std::span<const float> shown_by_lobes() const { return shown_by_lobes_; }
+    struct ByLobe {
+        float share = 0;     // what the lobe showed of the image, as a share of what it reflects by itself
+        glm::vec3 open{0};   // mean radiance that its rays show of the image where they meet nothing
+    };
+    /// Likewise.
+    std::span<const ByLobe> by_lobes() const { return by_lobes_; }
     /// The same with the light of suns. Also gives the light and its visible share.
     void light_by_suns(const PointBatch& batch, std::size_t tile, const scene::SceneState& state,
                        const std::function<void(const TilePoint&, const glm::vec3&, scene::LightId, float)>& add);
@@ -114,7 +120,8 @@ class EnvironmentLighting {
     environment_light::SeenCells shared_seen_;
     environment_light::CellVisibility::Scratch scratch_;
     environment_light::SeenCells seen_;
-    std::vector<float> reflected_, shown_by_lobes_;
+    std::vector<float> reflected_;
+    std::vector<ByLobe> by_lobes_;
     std::vector<std::uint32_t> asked_;          // points that could reflect light
     std::vector<std::uint32_t> apart_;          // of these, those that are not between places
     std::vector<std::uint32_t> apart_at_;       // by asked point: its index there; k_between

@@ -47,14 +47,20 @@ struct LobePath {
     float rays = 0;             // into how many the path was divided; 0: it was not
 };
 
+/// What a ray shows at its end.
+struct PathEnd {
+    bool no_light = false;   // emission and background are counted already, by a lobe
+    float emission = 1;      // the share of emission that is not counted already, by a highlight
+    float background = 1;    // likewise, of the background
+    glm::vec3 open{0};       // radiance that takes the place of the rest of the background: the mean over a lobe
+};
+
 /// The path that a ray in a queue continues.
 struct Path {
     std::uint32_t pixel;    // of the tile; or the number of a sample (PointBatch::pixels)
     glm::vec3 throughput;   // of the path so far: the weight of what the ray brings in the pixel's colour
     shading::RayCone cone;
-    bool sees_no_light = false;   // emission and background at its end are counted already, by a lobe
-    float emission = 1;           // the share of emission at its end that is not counted already, by a highlight
-    float background = 1;         // likewise, of the background
+    PathEnd end = {};
     LobePath lobe = {};
     float parts = 1;         // paths into which a rough surface split it
     bool straight = false;   // it came from the camera without being reflected or refracted
@@ -72,7 +78,9 @@ struct TilePoint {
     bool glossy = false;        // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
     bool coat_glossy = false;   // likewise, of its coat's lobe
     float image_by_lobe = 0;    // what its lobe shows of the environment image, of what it would show by itself
-    LobePath lobe;              // of the path that it ends
+    glm::vec3 open{0};          // mean radiance that rays of its lobe show of the image where they meet nothing
+    PathEnd end;                // of the path that it ends
+    LobePath lobe;              // likewise
 };
 
 /// The points of one queue. The spans hold until the batch is shaded.

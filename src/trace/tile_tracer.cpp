@@ -97,6 +97,9 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
         open_sky_ = static_cast<float>(k_pi) *
                     (indirect ? open_sky_radiance(scene_.background) : scene_.background.ambient({0, 1, 0}));
     }
+    // A random estimate has the light of the image among its surroundings.
+    if (is_estimate_ && scene_.background.environment)
+        open_image_ = scene_.background.environment->irradiance({0, 1, 0});
     primary_.rays.purpose = ray::RayClass::primary;
     for (PathQueue* queue : {&reflected_, &next_reflected_}) queue->rays.purpose = ray::RayClass::reflection;
     for (PathQueue* queue : {&refracted_, &next_refracted_}) queue->rays.purpose = ray::RayClass::refraction;
@@ -116,6 +119,12 @@ void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out, image::Samp
     store(out);
 }
 
+// What a ray shows that leaves the scene.
+glm::vec3 TileTracer::seen_of_background(const PathEnd& end, const glm::vec3& direction) const
+{
+    return end.background > 0 ? end.background * scene_.background.radiance(direction) + end.open : end.open;
+}
+
 // Traces the queued rays of pixels, and shades what they hit.
 void TileTracer::shade_sample(int sample, Stopwatch& watch)
 {
@@ -123,7 +132,7 @@ void TileTracer::shade_sample(int sample, Stopwatch& watch)
     trace_queue(primary_);
     watch.end(FrameTimes::rays);
     if (sample == 0) shadows_->note_primary_hits({primary_.rays, hits_, primary_.paths, tile_});
-    shade_hits(primary_, true, sample);
+    shade_hits(primary_, true, sample, options_.max_depth == 0);
     watch.end(FrameTimes::surfaces);
     add_lights(batch(true, sample), watch);
     add_environment(batch(true, sample), watch);
@@ -151,7 +160,7 @@ void TileTracer::follow_paths(int sample, Stopwatch& watch)
         for (const PathQueue* queue : {&reflected_, &refracted_}) {
             trace_queue(*queue);
             watch.end(FrameTimes::rays);
-            shade_hits(*queue, false, sample);
+            shade_hits(*queue, false, sample, depth + 1 == options_.max_depth);
             watch.end(FrameTimes::surfaces);
         }
         add_lights(batch(false, sample), watch);
@@ -292,7 +301,8 @@ void TileTracer::sort_hits(std::size_t count)
         if (hits_.object[i] != scene::none) first_hits_[hits_.object[i]] = scene::none;
 }
 
-void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
+// @param last_depth  no rays continue from the hits
+void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample, bool last_depth)
 {
     const std::size_t count = queue.rays.size();
     sort_hits(count);
@@ -305,9 +315,8 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         if (hits_.object[i] == scene::none) {
             if (path.straight && options_.backdrop_apart)
                 backdrop_[path.pixel] += path.throughput;
-            else if (!path.sees_no_light && path.background > 0)
-                add_color(path.pixel, path.lobe,
-                          path.throughput * (path.background * scene_.background.radiance(direction)));
+            else if (!path.end.no_light)
+                add_color(path.pixel, path.lobe, path.throughput * seen_of_background(path.end, direction));
             continue;
         }
         TilePoint& point = points_.emplace_back();
@@ -317,7 +326,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         point.throughput = path.throughput;
         point.straight = path.straight;
         const glm::vec3 unlit_behind = point.surface.catches_shadows ? show_behind(point, direction) : glm::vec3(0);
-        point.lobe = path.lobe;
+        point.end = path.end, point.lobe = path.lobe;
         if (path.lobe.rays > 0) shading::widen_lobe(rays_.geometry(hits_.object[i]), hits_.triangle[i], point.surface);
         point.parts = path.parts;
         const shading::SurfacePoint& s = point.surface;
@@ -333,6 +342,10 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         point.next = shading::continue_from(s);
         // Layered surfaces have rays of their own (queue_layered()).
         if (rays_of_lobe_ > 0 && !s.layered) shading::reflect_by_lobe(s, point.next);
+        // Where no rays follow, the lobe itself shows the image.
+        const float lobe_share = largest(point.throughput * point.next.lobe_weight) * std::max(path.lobe.rays, 1.0f);
+        if (sees_image_ && (last_depth || lobe_share * point.parts < options_.min_throughput))
+            point.next.lobe_weight = glm::vec3(0);
         if (indirect_light_ && indirect_light_->reflects_lobes() && shading::has_glossy_lobe(s)) {
             point.glossy = true;
             point.next.unresolved_weight = glm::vec3(point.next.coat_unresolved);
@@ -348,7 +361,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
         // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
         glm::vec3 own = unlit_behind;
         const bool unlit = s.model == scene::ShadingModel::unlit;
-        if (!path.sees_no_light || unlit) own += s.emissive * (s.coverage * (unlit ? 1.0f : path.emission));
+        if (!path.end.no_light || unlit) own += s.emissive * (s.coverage * (unlit ? 1.0f : path.end.emission));
         own += shading::ambient_light(s, scene_, !indirect_light_,
                                       !(indirect_light_ && indirect_light_->has_further_bounces()));
         if (!sees_image_ && point.next.unresolved_weight != glm::vec3(0))
@@ -372,7 +385,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample)
 glm::vec3 TileTracer::open_irradiance(const shading::SurfacePoint& s) const
 {
     glm::vec3 sum = open_sky_;
-    if (sees_image_) sum += environment_->open_irradiance(s.normal);
+    sum += sees_image_ ? environment_->open_irradiance(s.normal) : open_image_;
     for (std::size_t l = 0; l < scene_.lights.size(); ++l) {
         const scene::Light& light = scene_.lights[l];
         const scene::LightState& at = state_.light(static_cast<scene::LightId>(l));
@@ -483,7 +496,10 @@ void TileTracer::add_environment(const PointBatch& batch, Stopwatch& watch)
             add_light(point, radiance);
             if (batch.primary && options_.layers) direct_[point.pixel] += radiance;
         });
-        for (std::size_t p = 0; p < points_.size(); ++p) points_[p].image_by_lobe = environment_->shown_by_lobes()[p];
+        for (std::size_t p = 0; p < points_.size(); ++p) {
+            const EnvironmentLighting::ByLobe& lobe = environment_->by_lobes()[p];
+            points_[p].image_by_lobe = lobe.share, points_[p].open = lobe.open;
+        }
     }
     watch.end(FrameTimes::shadows);
 }
@@ -551,24 +567,23 @@ void TileTracer::queue_continuations(bool primary)
         const shading::Continuation& c = point.next;
         const glm::vec3 lift = s.offset * s.geometric_normal;
         const auto queue = [&](PathQueue& to, const glm::vec3& weight, const glm::vec3& origin,
-                               const glm::vec3& direction, bool sees_no_light = false, float emission = 1,
-                               float background = 1, bool straight = false) {
+                               const glm::vec3& direction, const PathEnd& end, bool straight = false) {
             const glm::vec3 throughput = point.throughput * weight;
             if (largest(throughput) * std::max(point.lobe.rays, 1.0f) * point.parts < options_.min_throughput) return;
-            to.push({point.pixel, throughput, s.cone, sees_no_light, emission, background, point.lobe, point.parts,
-                     straight},
-                    origin, 0, direction, k_infinity);
+            to.push({point.pixel, throughput, s.cone, end, point.lobe, point.parts, straight}, origin, 0, direction,
+                    k_infinity);
         };
         if (s.layered) {
             queue_layered(point, lift);
         } else {
             // What the lobe shows of the image is not hidden by what the ray meets.
             const float left = 1 - point.image_by_lobe, own = left > 0 ? (1 - highlight_share(s)) / left : 0;
-            queue(next_reflected_, left * c.reflected_weight, s.position + lift, c.reflected, point.glossy,
-                  sized_ ? std::min(own, 1.0f) : 1, sees_image_ ? std::min(own, 1.0f) : 1);
-            queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted);
+            queue(next_reflected_, left * c.reflected_weight, s.position + lift, c.reflected,
+                  {point.glossy, sized_ ? std::min(own, 1.0f) : 1, sees_image_ ? std::min(own, 1.0f) : 1});
+            queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted, {});
         }
-        queue(next_refracted_, c.straight_weight, s.position - lift, -s.to_viewer, false, 1, 1, point.straight);
+        // A ray that goes straight on shows what it would have shown.
+        queue(next_refracted_, c.straight_weight, s.position - lift, -s.to_viewer, point.end, point.straight);
         if (!primary && c.lobe_weight != glm::vec3(0)) queue_nested_lobe(point);
     }
     std::swap(reflected_, next_reflected_);
@@ -594,8 +609,9 @@ void TileTracer::queue_lobe(const TilePoint& point, std::uint32_t first, const g
         if (largest(throughput) * divided * point.parts < options_.min_throughput) continue;
         LobePath lobe = path;
         if (rays > 1) lobe.number = first + static_cast<std::uint32_t>(k);
-        next_reflected_.push({point.pixel, throughput, cone, point.glossy, sized_ ? 1 - highlight_share(s) : 1,
-                              sees_image_ ? 1 - highlight_share(s) : 1, lobe, point.parts},
+        const float own = 1 - highlight_share(s);
+        const PathEnd end{point.glossy, sized_ ? own : 1, sees_image_ ? own : 1, point.open};
+        next_reflected_.push({point.pixel, throughput, cone, end, lobe, point.parts},
                              s.position + s.offset * s.geometric_normal, 0, lobe_rays_[k].direction, k_infinity);
     }
 }
@@ -720,8 +736,8 @@ void TileTracer::queue_layered(const TilePoint& point, const glm::vec3& lift)
         const float left = 1 - (1 - coat) * point.image_by_lobe;
         const auto of_rest = [&](float part) { return left > 0 ? std::min(part / left, 1.0f) : 0; };
         path.throughput *= left;
-        path.emission = of_rest(shown(sized_.has_value(), sized_.has_value()));
-        path.background = of_rest(shown(sees_image_, false));
+        path.end.emission = of_rest(shown(sized_.has_value(), sized_.has_value()));
+        path.end.background = of_rest(shown(sees_image_, false));
         next_reflected_.push(path, s.position + lift, 0, c.reflected, k_infinity);
     }
     shading::find_transmitted(s, c, point.parts > 1, transmitted_);

@@ -117,8 +117,9 @@ class TileTracer {
     void queue_camera_ray(std::uint32_t pixel, const glm::vec2& at);
     void shade_sample(int sample, Stopwatch& watch);
     void trace_queue(const PathQueue& queue);
-    void shade_hits(const PathQueue& queue, bool primary, int sample);
+    void shade_hits(const PathQueue& queue, bool primary, int sample, bool last_depth);
     void sort_hits(std::size_t count);
+    glm::vec3 seen_of_background(const PathEnd& end, const glm::vec3& direction) const;
     glm::vec3 open_irradiance(const shading::SurfacePoint& s) const;
     glm::vec3 show_behind(TilePoint& point, const glm::vec3& direction) const;
     // Adds what a point sends to the viewer, to the colour or to what lies behind.
@@ -156,6 +157,7 @@ class TileTracer {
     std::unique_ptr<ShadowTester::Worker> shadows_;
     std::optional<SizedLighting> sized_;   // none: the lights that approximate emissive surfaces light instead
     std::optional<EnvironmentLighting> environment_;   // none: lights are points, those that approximate an image, too
+    glm::vec3 open_image_{0};                          // irradiance of the image on a level surface, of estimates
     bool sees_image_ = false;                          // it has an image
     std::unique_ptr<IndirectLight::Worker> indirect_;
     bool is_estimate_;   // the indirect light has errors

@@ -236,14 +236,17 @@ TEST(CellLight, SumsOfALobeAreThoseOfAPlainLoop)
             const float d = half2 * (a2 - 1) + 1;
             const float weight = n_l / (d * d * (n_l * lobe.masking + n_v * std::sqrt(a2 + (1 - a2) * n_l * n_l)));
             const std::size_t lane = leaf % k_sum_lanes;
+            const bool visible = (seen[leaf / 64] >> (leaf % 64) & 1) != 0;
             plain.angles[lane] += weight * list[6][leaf];
+            if (visible) plain.visible_angles[lane] += weight * list[6][leaf];
             for (std::size_t c = 0; c < 3; ++c) {
                 plain.all[c][lane] += weight * list[3 + c][leaf];
-                if (seen[leaf / 64] >> (leaf % 64) & 1) plain.visible[c][lane] += weight * list[3 + c][leaf];
+                if (visible) plain.visible[c][lane] += weight * list[3 + c][leaf];
             }
         }
         const LobeSums sums = lobe_sums(lobe, cells, seen);
         EXPECT_EQ(sums.angles, plain.angles) << round;
+        EXPECT_EQ(sums.visible_angles, plain.visible_angles) << round;
         EXPECT_EQ(sums.all, plain.all) << round;
         EXPECT_EQ(sums.visible, plain.visible) << round;
     }
@@ -266,10 +269,19 @@ TEST(CellLight, LobesSeeAnEvenSkyEven)
         const glm::vec3 normal = any_direction(random);
         const glm::vec3 viewer = glm::dot(d, normal) > 0 ? d : -d;
         const Lobe lobe{viewer, glm::reflect(-viewer, normal), normal, normal, roughness};
-        const glm::vec3 whole = light.seen_by(lobe, all);
-        EXPECT_NEAR(whole.x, 1, 1e-4f);
-        EXPECT_NEAR(whole.y, 2, 2e-4f);
-        EXPECT_EQ(light.seen_by(lobe, none), glm::vec3(0));
+        const SeenByLobe whole = light.seen_by(lobe, all);
+        EXPECT_NEAR(whole.light.x, 1, 1e-4f);
+        EXPECT_NEAR(whole.light.y, 2, 2e-4f);
+        EXPECT_NEAR(whole.share, 1, 1e-4f);
+        EXPECT_EQ(light.seen_by(lobe, none).light, glm::vec3(0));
+        // Where it sees the sky, it is as bright, however much of it is hidden.
+        std::vector<std::uint64_t> some(cells.words());
+        for (std::uint64_t& word : some) word = std::uint64_t{random.next()} << 32 | random.next();
+        for (const std::vector<std::uint64_t>& mask : {all, some, none}) {
+            const glm::vec3 open = light.seen_by(lobe, mask).open;
+            EXPECT_NEAR(open.x, 1, 1e-3f);
+            EXPECT_NEAR(open.y, 2, 2e-3f);
+        }
     }
 }
 

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "api/scene_access.h"
 #include "gnomon/gnomon.h"
+#include "scene/defaults/surroundings.h"
 
 namespace gnomon {
 namespace {
@@ -128,6 +130,31 @@ TEST(EnvironmentFrame, WhiteMaterialsVanishInAnEvenSky)
         }
 }
 
+// Nor do balls of metal beside each other, which mirror each other: what one lobe sees of the sky and of the others is
+// all of the lobe, and never more.
+TEST(EnvironmentFrame, WhiteMetalsBesideEachOtherShowNoMoreThanTheSky)
+{
+    for (const float roughness : {0.1f, 0.2f, 0.35f, 0.5f, 0.75f, 1.0f}) {
+        SceneBuilder builder;
+        const MeshId ball = add_ball(builder);
+        const MaterialId metal = builder.material({.base_color = {1, 1, 1}, .metallic = 1, .roughness = roughness});
+        for (const Vec3& at : {Vec3{-1.02f, -0.6f, 0}, Vec3{1.02f, -0.6f, 0}, Vec3{0, 1.15f, 0}, Vec3{0, 0, -1.6f}})
+            builder.instance(ball, metal, Transform::translation(at.x, at.y, at.z));
+        set_even_sky(builder);
+        builder.camera(orthographic(4.6));
+        double sum = 0;
+        const std::vector<float> image = colours(Renderer(options_of(96)).render(builder.finish(), 1));
+        int dark = 0;
+        for (const float value : image) {
+            EXPECT_LE(value, 1.005f) << roughness;
+            sum += static_cast<double>(value);
+            if (value < 0.95f) ++dark;   // where paths end between the balls
+        }
+        EXPECT_GE(sum / static_cast<double>(image.size()), 0.99) << roughness;
+        EXPECT_LE(dark, static_cast<int>(image.size()) / 10) << roughness;
+    }
+}
+
 enum class Shapes : std::uint8_t { matte, metal };
 
 // Balls on a floor: matte and glazed ones, or one of rough metal.
@@ -193,6 +220,37 @@ TEST(EnvironmentFrame, RoughMetalReflectsWhatTheReferenceSays)
 }
 
 // Each frame of a clip with dynamic objects: after other frames, alone, on one thread, and without what is remembered.
+// The ground that a scene without surroundings gets shows what lies behind it where nothing stands, and a shadow below
+// what does: in frames and in the reference.
+TEST(EnvironmentFrame, AGroundCatchesTheShadowThatTheReferenceSays)
+{
+    SceneBuilder builder;
+    builder.instance(add_ball(builder), builder.material(matte(0.2f)));
+    scene::Scene made = *api::scene_of(builder.finish());
+    scene::add_default_camera(made);
+    scene::add_surroundings(made, {.ground = true});
+    const Scene scene = api::public_scene(std::make_shared<const scene::Scene>(std::move(made)));
+    RenderOptions options = options_of(48);
+    options.indirect = Indirect::visible;
+    const std::vector<float> image = colours(Renderer(options).render(scene, 1));
+    options.reference = ReferenceLightOptions{.spp = 256};
+    const std::vector<float> reference = colours(Renderer(options).render(scene, 1));
+    // By blocks in the lowest part of the image, which shows the ground.
+    constexpr int k_size = 48, k_block = 8;
+    float least = 1e9f, most = 0;
+    for (int x0 = 0; x0 < k_size; x0 += k_block) {
+        double sum = 0, truth = 0;
+        for (int y = k_size - k_block / 2; y < k_size; ++y)
+            for (int x = x0; x < x0 + k_block; ++x) {
+                sum += static_cast<double>(image[static_cast<std::size_t>(3 * (y * k_size + x) + 1)]);
+                truth += static_cast<double>(reference[static_cast<std::size_t>(3 * (y * k_size + x) + 1)]);
+            }
+        EXPECT_NEAR(sum / truth, 1, 0.07) << x0;
+        least = std::min(least, static_cast<float>(truth)), most = std::max(most, static_cast<float>(truth));
+    }
+    EXPECT_LT(least, 0.9f * most);
+}
+
 TEST(EnvironmentFrame, HasTheSameBytesColdWarmAndOnAnyNumberOfThreads)
 {
     SceneBuilder sky(load("builtin:spheres?objects=20&dynamic=5"));

@@ -19,6 +19,8 @@ struct Opening {
 };
 constexpr Opening k_window = {-0.6f, 0.5f, 0.9f, 2.1f};
 constexpr Opening k_small = {-0.35f, 0.28f, 1.2f, 1.8f};   // as wide as a cell, as seen from the other wall
+constexpr Opening k_half = {0.1f, 0.4f, 0.9f, 2.1f}, k_slit = {0.1f, 0.25f, 0.9f, 2.1f};   // narrower than a cell
+constexpr Opening k_hole = {-0.28f, -0.08f, 1.4f, 1.6f};
 
 void add_quad(std::vector<Vec3>& positions, std::vector<std::uint32_t>& indices, const std::array<Vec3, 4>& corner)
 {
@@ -83,7 +85,7 @@ RenderOptions options_of(int size)
     RenderOptions options;
     options.size = {size, size};
     options.indirect = Indirect::visible;
-    options.bounces = 1;   // of which there are none: all but the wall is black
+    options.bounces = 1;          // of which there are none: all but the wall is black
     options.keep_image = false;   // frames of one view are lit again and again
     return options;
 }
@@ -140,15 +142,22 @@ Errors errors_of(const std::vector<float>& image, int size, const Opening& windo
 TEST(WindowLight, OnAWallIsTheClosedForm)
 {
     constexpr int k_size = 96;
-    for (const Opening& window : {k_window, k_small}) {
+    struct Case {
+        Opening window;
+        double nrmse, mean, step;   // at most: errors, of the mean
+    };
+    // Of narrow windows, what a pixel sees is counted in few parts of cells: right on average, but not free of steps.
+    for (const Case& of :
+         {Case{k_window, 0.02, 0.01, 0.01}, Case{k_small, 0.04, 0.015, 0.03}, Case{k_half, 0.045, 0.015, 0.04},
+          Case{k_slit, 0.08, 0.015, 0.08}, Case{k_hole, 0.18, 0.02, 0.16}}) {
         Renderer renderer(options_of(k_size));
-        const Errors errors = errors_of(colours(renderer.render(room(window), input())), k_size, window);
-        const bool wide = window.left == k_window.left;
+        const Errors errors = errors_of(colours(renderer.render(room(of.window), input())), k_size, of.window);
         std::printf("window of %.2f m: nRMSE %.4f, mean %.4f, steps %.4f of the mean\n",
-                    static_cast<double>(window.right - window.left), errors.nrmse, errors.mean_ratio, errors.step);
-        EXPECT_LE(errors.nrmse, wide ? 0.02 : 0.05);
-        EXPECT_NEAR(errors.mean_ratio, 1, wide ? 0.01 : 0.03);
-        EXPECT_LE(errors.step, wide ? 0.01 : 0.03);
+                    static_cast<double>(of.window.right - of.window.left), errors.nrmse, errors.mean_ratio,
+                    errors.step);
+        EXPECT_LE(errors.nrmse, of.nrmse);
+        EXPECT_NEAR(errors.mean_ratio, 1, of.mean);
+        EXPECT_LE(errors.step, of.step);
     }
 }
 
