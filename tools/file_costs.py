@@ -74,6 +74,12 @@ def cost_of(program: str, file: pathlib.Path, name: str, image: pathlib.Path, si
     return Cost(name, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024 / 1e6, code, warnings)
 
 
+def split_at_dashes(arguments: list[str]) -> tuple[list[str], list[str]]:
+    """The arguments before and after --."""
+    at = arguments.index("--") if "--" in arguments else len(arguments)
+    return arguments[:at], arguments[at + 1:]
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=pathlib.Path)
@@ -86,8 +92,9 @@ def main() -> int:
     parser.add_argument("--images", type=pathlib.Path, help="keep the images in this folder")
     parser.add_argument("--most-s", type=float, help="processor time from which on a file counts as a failure")
     parser.add_argument("--most-mb", type=float, help="likewise, memory")
-    parser.add_argument("options", nargs="*", help="for gnomon render")
-    args = parser.parse_args()
+    # Apart, because argparse takes what follows -- for options of its own if others stand between.
+    own, options = split_at_dashes(sys.argv[1:])
+    args = parser.parse_args(own)
 
     files = scene_files(args.folder, args.only)
     if args.list:
@@ -103,7 +110,7 @@ def main() -> int:
         for file in files:
             name = str(file.relative_to(args.folder))
             image = images / (name.replace("/", "__") + ".png")
-            costs.append(cost_of(args.program, file, name, image, args.size, args.limit_s, args.options))
+            costs.append(cost_of(args.program, file, name, image, args.size, args.limit_s, options))
             if sys.stderr.isatty():
                 print(costs[-1].row(), file=sys.stderr)
     costs.sort(key=lambda cost: -cost.cpu_s)

@@ -82,6 +82,7 @@ struct CellLight::Lobes {
     };
     std::vector<Level> levels;   // from the finest
     std::array<DirectionTable, k_lobes> tables;
+    std::array<std::once_flag, k_lobes> made;
 
     explicit Lobes(const scene::Environment& environment)
     {
@@ -128,11 +129,17 @@ struct CellLight::Lobes {
                 }
             levels.push_back(std::move(to));
         }
-        for (std::size_t r = 0; r < tables.size(); ++r) {
-            tables[r] = DirectionTable(k_lobe_side[r]);
-            for (std::size_t e = 0; e < tables[r].size(); ++e)
-                tables[r][e] = gather(tables[r].direction(e), k_roughness[r]);
-        }
+    }
+
+    // Makes a table when it is first asked for. Thread-safe.
+    const DirectionTable& table(std::size_t r)
+    {
+        std::call_once(made[r], [&] {
+            DirectionTable table(k_lobe_side[r]);
+            for (std::size_t e = 0; e < table.size(); ++e) table[e] = gather(table.direction(e), k_roughness[r]);
+            tables[r] = std::move(table);
+        });
+        return tables[r];
     }
 
     // Gathers what a lobe sees, from squares that are small against its width and against their distance from its
@@ -269,7 +276,8 @@ glm::vec3 CellLight::blurred(const glm::vec3& direction, float roughness) const
     while (above + 1 < k_roughness.size() && k_roughness[above] < roughness) ++above;
     const float low = k_roughness[above - 1], high = k_roughness[above];
     const float t = std::clamp((roughness - low) / (high - low), 0.0f, 1.0f);
-    return glm::mix(lobes_->tables[above - 1].at(direction), lobes_->tables[above].at(direction), t);
+    if (t <= 0 || t >= 1) return lobes_->table(t <= 0 ? above - 1 : above).at(direction);
+    return glm::mix(lobes_->table(above - 1).at(direction), lobes_->table(above).at(direction), t);
 }
 
 SeenByLobe CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> seen,

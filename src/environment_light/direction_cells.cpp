@@ -10,6 +10,7 @@
 #include "base/morton.h"
 #include "base/sobol.h"
 #include "environment_light/spherical_triangles.h"
+#include "scene/direction_grid.h"
 
 namespace gnomon::environment_light {
 
@@ -158,11 +159,12 @@ struct DirectionCells::Builder {
         lights.assign(out.nodes_.size(), {});
         std::uint32_t leaf = 0;
         const bool whole = rows == image.height && columns == image.width;
+        const scene::DirectionGrid directions(columns, rows);
         for (int y = 0; y < rows; ++y) {
             const double above = std::cos(y * k_pi / rows), below = std::cos((y + 1) * k_pi / rows);
             const double angle = 2 * k_pi / columns * (above - below);
             for (int x = 0; x < columns; ++x) {
-                const glm::dvec3 d(scene::Environment::direction_at((x + 0.5) / columns, (y + 0.5) / rows));
+                const glm::dvec3 d(directions.at(x, y));
                 const float* p = whole ? image.pixel(x, y) : nullptr;
                 const glm::dvec3 radiance =
                     whole ? glm::dvec3(p[0], p[1], p[2]) : glm::dvec3(environment.radiance(glm::vec3(d)));

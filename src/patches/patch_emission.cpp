@@ -161,11 +161,10 @@ void PatchEmission::thin(const Light& light, const ray::RayScene& rays, std::siz
         const bool whole = std::popcount(reached[r].visible) == static_cast<int>(places.size());
         for (std::size_t place = 0; place < places.size(); place += whole ? step : 1) {
             if (!((reached[r].visible >> place) & 1)) continue;
-            const glm::vec3 way = places[place].position - point.position;
-            const float square = glm::dot(way, way), cosine = glm::dot(way, point.normal);
-            if (!(cosine > 0)) continue;
-            queue.push(point.position, 0, way, ray::k_shadow_ray_end);
-            target.emplace_back(r, places[place].area * luminance(places[place].radiance) * cosine / (square * square));
+            const float weight = weight_of(places[place], point);
+            if (!(weight > 0)) continue;
+            queue.push(point.position, 0, places[place].position - point.position, ray::k_shadow_ray_end);
+            target.emplace_back(r, weight);
         }
     }
     std::vector<glm::vec3> passes(queue.size());
@@ -221,7 +220,15 @@ bool PatchEmission::update(const scene::SceneState& state, const ray::RayScene& 
     return relit;
 }
 
-// Takes away what dynamic objects hide.
+// The weight of a place of a light in what passes on the way to it.
+float PatchEmission::weight_of(const scene::SizedPlace& place, const Point& point)
+{
+    const glm::vec3 way = place.position - point.position;
+    const float square = glm::dot(way, way);
+    return place.area * luminance(place.radiance) * glm::dot(way, point.normal) / (square * square);
+}
+
+// Takes away what dynamic objects hide, and what they do not let through.
 void PatchEmission::follow_blockers(const ray::RayScene& rays, Tasks& tasks)
 {
     constexpr std::size_t k_reached_at_once = 2048;
@@ -252,17 +259,28 @@ void PatchEmission::follow_blockers(const ray::RayScene& rays, Tasks& tasks)
             }
             std::vector<std::uint8_t> occluded(queue.size() + ray::k_packet_pad);
             rays.occluded(queue, 0, queue.size(), occluded.data(), ray::Against::dynamic_only);
+            std::vector<glm::vec3> passes(rays.thins_light() ? queue.size() : 0);
+            if (!passes.empty()) rays.let_through(queue, 0, queue.size(), passes.data(), ray::Against::dynamic_only);
             Shading shading(light->shape);
             for (std::size_t i = 0; i < target.size();) {
                 const Reached& reached = light->reached[target[i].first];
+                const Point& point = points_[reached.point];
                 std::uint32_t visible = reached.visible;
                 const std::uint32_t r = target[i].first;
-                for (; i < target.size() && target[i].first == r; ++i)
-                    if (occluded[i]) visible &= ~(1u << target[i].second);
-                if (visible == reached.visible) continue;
-                const Point& point = points_[reached.point];
+                // Of the places that are visible, find the mean of what passes.
+                glm::dvec3 passing(0);
+                double all = 0;
+                for (; i < target.size() && target[i].first == r; ++i) {
+                    const std::uint32_t place = target[i].second;
+                    if (occluded[i]) visible &= ~(1u << place);
+                    if (occluded[i] || passes.empty()) continue;
+                    const auto by = static_cast<double>(std::max(weight_of(places[place], point), 0.0f));
+                    passing += by * glm::dvec3(passes[i]), all += by;
+                }
+                const glm::vec3 passed = all > 0 ? glm::vec3(passing / all) : glm::vec3(1);
+                if (visible == reached.visible && passed == glm::vec3(1)) continue;
                 less[run].emplace_back(reached.point / points_of_patch_,
-                                       shading.shadowed(point, reached.light, visible) -
+                                       shading.shadowed(point, reached.light, visible) * passed -
                                            shading.shadowed(point, reached.light, reached.visible));
             }
         });

@@ -47,6 +47,9 @@ class PatchEmission {
     std::size_t bytes() const;
 
  private:
+    struct Point {
+        glm::vec3 position{0}, normal{0};
+    };
     // A point that a light would reach.
     struct Reached {
         std::uint32_t point = 0;     // of all patches' points
@@ -62,14 +65,12 @@ class PatchEmission {
     void choose_points(std::size_t lights);
     void light_points(Light& light, const ray::RayScene& rays, Tasks& tasks) const;
     void thin(const Light& light, const ray::RayScene& rays, std::size_t step, std::span<Reached> reached) const;
+    static float weight_of(const scene::SizedPlace& place, const Point& point);
     void follow_blockers(const ray::RayScene& rays, Tasks& tasks);
 
     const SurfacePatches& patches_;
     EmissionOptions options_;
     std::uint32_t points_of_patch_ = 0;
-    struct Point {
-        glm::vec3 position{0}, normal{0};
-    };
     std::vector<Point> points_;
     std::vector<std::unique_ptr<Light>> lights_;
     std::uint32_t version_ = 0;   // of the lights

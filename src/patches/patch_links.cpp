@@ -166,8 +166,11 @@ std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchL
             }
         }
         cast.trace(state.scene(), rays, ray::Against::everything);
+        std::vector<glm::vec3> passes(rays.thins_light() ? cast.size() : 0);
+        if (!passes.empty()) cast.find_passing(rays, passes.data(), ray::Against::dynamic_only);
         for (std::size_t k = 0; k < of.size(); ++k) {
-            if (cast.leaves(k) || !state.is_dynamic(cast.object(k))) continue;
+            const bool ends = !cast.leaves(k) && state.is_dynamic(cast.object(k));
+            if (!ends && (passes.empty() || passes[k] == glm::vec3(1))) continue;
             const std::uint16_t target = links.target[of[k]];
             glm::vec3 light(0);
             if (target != PatchLinks::k_none) {
@@ -175,7 +178,8 @@ std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchL
             } else if (surroundings.any() && links.leaves[of[k]]) {
                 light = k_ray_weight * surroundings.radiance(cast.direction(k));
             }
-            blocked[of[k] / PatchLinks::k_rays] += links.passes.empty() ? light : light * links.passes[of[k]];
+            if (!links.passes.empty()) light *= links.passes[of[k]];
+            blocked[of[k] / PatchLinks::k_rays] += ends ? light : light * (1.0f - passes[k]);
         }
     });
     return blocked;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "base/check.h"
+#include "scene/direction_grid.h"
 
 namespace gnomon::scene {
 
@@ -51,6 +52,18 @@ glm::vec3 Environment::direction_at(double u, double v)
     return glm::vec3(glm::dvec3(across * std::sin(longitude), std::cos(polar), -across * std::cos(longitude)));
 }
 
+DirectionGrid::DirectionGrid(int columns, int rows)
+{
+    for (int x = 0; x < columns; ++x) {
+        const double longitude = ((x + 0.5) / columns - 0.5) * 2 * k_pi;
+        columns_.emplace_back(std::sin(longitude), std::cos(longitude));
+    }
+    for (int y = 0; y < rows; ++y) {
+        const double polar = (y + 0.5) / rows * k_pi;
+        rows_.emplace_back(std::sin(polar), std::cos(polar));
+    }
+}
+
 glm::vec3 Environment::radiance(const glm::vec3& direction) const
 {
     constexpr auto pi = static_cast<float>(k_pi);
@@ -76,6 +89,7 @@ void Environment::gather()
     columns_ = std::min(image_.width, k_columns), rows_ = std::min(image_.height, k_rows);
     cells_.resize(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
     const double width = image_.width, height = image_.height;
+    const DirectionGrid directions(image_.width, image_.height);
     for (int y = 0; y < image_.height; ++y) {
         const double above = std::cos(y / height * k_pi), below = std::cos((y + 1) / height * k_pi);
         const double solid_angle = 2 * k_pi / width * (above - below);
@@ -88,7 +102,7 @@ void Environment::gather()
             const double light = luminance(flux);
             cell.flux += flux;
             cell.light += light;
-            cell.weighted += light * glm::dvec3(direction_at((x + 0.5) / width, (y + 0.5) / height));
+            cell.weighted += light * glm::dvec3(directions.at(x, y));
         }
     }
     const Cell all = sum_of({0, columns_, 0, rows_});

@@ -5,7 +5,9 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <mutex>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "shading/glossy.h"
@@ -189,32 +191,18 @@ double cosine_of_column(int column)
     return std::max(1 - t * t, k_least_cosine);
 }
 
-struct Table {
-    std::array<Fit, k_rows * k_columns> fits;
-
-    Table()
+// Rows are fitted when they are first asked for: most scenes have few roughnesses.
+class Table {
+ public:
+    /// The fits of a row. Thread-safe.
+    const Fit* row(int number)
     {
-        for (int row = 0; row < k_rows; ++row) {
-            const double roughness = roughness_of_row(row), alpha = roughness * roughness;
-            Point p{std::log(0.5), std::log(0.5), 0, 0};
-            // From the steepest view to the most grazing one: each starts from the fit before.
-            for (int column = k_columns - 1; column >= 0; --column) {
-                const double n_v = cosine_of_column(column);
-                SurfacePoint s;
-                s.geometric_normal = s.normal = s.smooth_normal = {0, 0, 1};
-                s.to_viewer = glm::vec3(glm::dvec3(std::sqrt(1 - n_v * n_v), 0, n_v));
-                s.specular = glm::vec3(1);
-                s.roughness = static_cast<float>(roughness);
-                const double mirror_angle = std::acos(n_v);
-                p = search(directions(s), alpha, mirror_angle, p);
-                Fit& fit = fits[static_cast<std::size_t>(row * k_columns + column)];
-                fit = fit_of(p, alpha);
-                fit.scale = 1 / std::max(kept(alpha, mirror_angle, fit), 0.25);
-                fit.tilt /= alpha;
-            }
-        }
+        const auto r = static_cast<std::size_t>(number);
+        std::call_once(made_[r], [&] { fit_row(number); });
+        return fits_.data() + r * k_columns;
     }
-    Fit at(double n_v, double roughness) const
+
+    Fit at(double n_v, double roughness)
     {
         const auto split = [](double t, int count, int& low) {
             const double place = std::clamp(t, 0.0, 1.0) * (count - 1);
@@ -224,21 +212,45 @@ struct Table {
         int row, column;
         const double down = split((roughness - k_first_roughness) / (1 - k_first_roughness), k_rows, row);
         const double across = split(1 - std::sqrt(std::max(0.0, 1 - n_v)), k_columns, column);
+        const Fit* const fits[2] = {this->row(row), this->row(row + 1)};
         const auto mixed = [&](double Fit::*member) {
-            const auto cell = [&](int r, int c) {
-                return fits[static_cast<std::size_t>((row + r) * k_columns + column + c)].*member;
-            };
+            const auto cell = [&](int r, int c) { return fits[r][column + c].*member; };
             return (1 - down) * ((1 - across) * cell(0, 0) + across * cell(0, 1)) +
                    down * ((1 - across) * cell(1, 0) + across * cell(1, 1));
         };
         const double alpha = roughness * roughness;
         return {mixed(&Fit::a), mixed(&Fit::b), mixed(&Fit::c), mixed(&Fit::tilt) * alpha, mixed(&Fit::scale)};
     }
+
+ private:
+    void fit_row(int row)
+    {
+        const double roughness = roughness_of_row(row), alpha = roughness * roughness;
+        Point p{std::log(0.5), std::log(0.5), 0, 0};
+        // From the steepest view to the most grazing one: each starts from the fit before.
+        for (int column = k_columns - 1; column >= 0; --column) {
+            const double n_v = cosine_of_column(column);
+            SurfacePoint s;
+            s.geometric_normal = s.normal = s.smooth_normal = {0, 0, 1};
+            s.to_viewer = glm::vec3(glm::dvec3(std::sqrt(1 - n_v * n_v), 0, n_v));
+            s.specular = glm::vec3(1);
+            s.roughness = static_cast<float>(roughness);
+            const double mirror_angle = std::acos(n_v);
+            p = search(directions(s), alpha, mirror_angle, p);
+            Fit& fit = fits_[static_cast<std::size_t>(row * k_columns + column)];
+            fit = fit_of(p, alpha);
+            fit.scale = 1 / std::max(kept(alpha, mirror_angle, fit), 0.25);
+            fit.tilt /= alpha;
+        }
+    }
+
+    std::array<Fit, k_rows * k_columns> fits_;
+    std::array<std::once_flag, k_rows> made_;
 };
 
-const Table& table()
+Table& table()
 {
-    static const Table made;
+    static Table made;
     return made;
 }
 
@@ -247,9 +259,10 @@ const Table& table()
 std::vector<TransformedCosineFit> transformed_cosine_fits()
 {
     std::vector<TransformedCosineFit> fits;
-    for (const Fit& f : table().fits)
-        fits.push_back({static_cast<float>(f.a), static_cast<float>(f.b), static_cast<float>(f.c),
-                        static_cast<float>(f.tilt), static_cast<float>(f.scale)});
+    for (int row = 0; row < k_rows; ++row)
+        for (const Fit& f : std::span(table().row(row), k_columns))
+            fits.push_back({static_cast<float>(f.a), static_cast<float>(f.b), static_cast<float>(f.c),
+                            static_cast<float>(f.tilt), static_cast<float>(f.scale)});
     return fits;
 }
 

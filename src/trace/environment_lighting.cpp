@@ -82,13 +82,14 @@ void EnvironmentTechnique::begin_frame(const FrameContext& frame, std::size_t ti
         light_.empty() ? nullptr : frame.state.scene().background.environment;
     if (image != image_ || version_ != light_.version() || light_.anything_moves()) shared_places_.forget();
     shared_places_.begin_frame();
+    place_groups_.begin_frame(frame.state.base());
     image_ = image;
     version_ = light_.version(), suns_version_ = light_.suns_version();
 }
 
 std::size_t EnvironmentTechnique::bytes() const
 {
-    std::size_t bytes = light_.bytes() + shared_places_.bytes();
+    std::size_t bytes = light_.bytes() + shared_places_.bytes() + place_groups_.bytes();
     for (const auto& of_tile : memories_)
         for (const environment_light::PointMemory& memory : of_tile) bytes += memory.bytes();
     return bytes;
@@ -344,6 +345,7 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
         std::span<const std::uint64_t> seen;
         std::span<const environment_light::PartialCell> partial;
         const PlaceMemory::Place* shared = nullptr;
+        glm::vec3 horizon = s.geometric_normal;   // of the triangle that decided the cells
         const PlaceLattice::Around* between = apart_at_[k] == k_between ? &lattice_.around()[k] : nullptr;
         const std::size_t shared_rays = point.straight ? PassingLight::k_rays : PassingLight::k_rays_in_mirrors;
         const float highlight = highlight_share(s);
@@ -363,19 +365,20 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
             if (place < places_.own())
                 seen = seen_.of(place), partial = seen_.partial_of(place);
             else
-                shared = shared_[place - places_.own()], seen = shared->seen();
+                shared = shared_[place - places_.own()], seen = shared->seen(),
+                horizon = places_.places()[place].normal;
         }
-        const bool seen_smoothly = !plane && s.smooth_normal != s.geometric_normal;
+        const bool seen_smoothly = !plane && s.smooth_normal != horizon;
         if (seen_smoothly) {
             // Others may share the place.
             smooth_seen_.assign(seen.begin(), seen.end());
-            light.mirrored().add(s.geometric_normal, s.smooth_normal, smooth_seen_);
+            light.mirrored().add(horizon, s.smooth_normal, smooth_seen_);
             seen = smooth_seen_;
         }
         glm::vec3 radiance(0);
         if (s.diffuse != glm::vec3(0)) {
             const glm::vec3 irradiance = plane ? interpolated(lattice_irradiance_, *between)
-                                         : shared && s.normal == s.geometric_normal && !seen_smoothly
+                                         : shared && s.normal == horizon && !seen_smoothly
                                              ? shared->irradiance()
                                              : light.light().irradiance(s.normal, seen, partial);
             if (highlight < 1)

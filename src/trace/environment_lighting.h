@@ -36,6 +36,7 @@ class EnvironmentTechnique {
     void begin_frame(const FrameContext& frame, std::size_t tiles);
     bool empty() const { return light_.empty(); }
     PlaceMemory& shared_places() { return shared_places_; }
+    PlaceGroups& place_groups() { return place_groups_; }
     const environment_light::EnvironmentLight& light() const { return light_; }
     /// What points of a tile remember; null in the first frame, because a single image has no use for it.
     /// @param sun  in EnvironmentLight::suns(); -1: of the image
@@ -59,6 +60,7 @@ class EnvironmentTechnique {
     environment_light::EnvironmentLight light_;
     std::vector<std::vector<environment_light::PointMemory>> memories_;   // by tile: of the image, of each sun
     PlaceMemory shared_places_;
+    PlaceGroups place_groups_;
     std::shared_ptr<const scene::Environment> image_;   // of which shared places know what they see
     std::uint32_t version_ = 0, suns_version_ = 0;
     bool every_ray_ = false;
@@ -70,7 +72,7 @@ class EnvironmentTechnique {
 class EnvironmentLighting {
  public:
     EnvironmentLighting(EnvironmentTechnique& technique, const ray::RayScene& rays)
-        : technique_(technique), rays_(rays), passing_(rays), lattice_(rays), places_(rays)
+        : technique_(technique), rays_(rays), passing_(rays), lattice_(rays), places_(rays, &technique.place_groups())
     {
     }
     /// Calls add(point, radiance) with the light reflected at points of the batch towards the viewer, throughput left

@@ -45,6 +45,7 @@ class CachedIndirect::Work final : public Worker {
             const float width = s.cone.width * wider;
             asked_.push_back({s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u, here.v,
                               width, s.to_viewer});
+            asked_.back().of_many = point.lobe.rays > 1 || point.parts > 1;
             if (batch.primary && !batch.scattered()) {
                 const int pixel = static_cast<int>(point.pixel);
                 asked_.back().x = static_cast<std::int16_t>(pixel % batch.tile.side);

@@ -88,6 +88,49 @@ TEST(IrradianceCache, NearFieldPreservesTotalLight)
     EXPECT_NEAR(parted / all, 1, 0.03);
 }
 
+// Points of which a mean is shown share cache points also where those that lie far apart are hidden or dark.
+TEST(IrradianceCache, PointsOfAMeanOnSmallTrianglesShareCachePoints)
+{
+    std::size_t made[2];
+    double mean[2];
+    for (const bool of_many : {false, true}) {
+        World world("spheres?objects=40&dynamic=0");
+        IrradianceCache cache(world.state, world.rays, {}, world.tasks);
+        cache.update(world.state, world.rays, world.tasks);
+        std::vector<irradiance_cache::IndirectPoint> points;
+        for (scene::ObjectId o = 0; o < world.scene->objects.size(); ++o) {
+            const ray::ObjectGeometry& geometry = world.rays.geometry(o);
+            const auto triangles = static_cast<std::uint32_t>(geometry.mesh->triangles.size());
+            if (triangles < 1000) continue;   // of the cube around
+            glm::vec3 p[3];
+            Box3 box;
+            for (std::uint32_t t = 0; t < triangles; ++t) {
+                geometry.corners(t, p);
+                for (const glm::vec3& corner : p) box.add(corner);
+            }
+            for (std::uint32_t t = 0; t < triangles; t += 3) {
+                geometry.corners(t, p);
+                const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
+                if (!(glm::length(cross) > 0)) continue;
+                const glm::vec3 normal = glm::normalize(geometry.mirrored ? -cross : cross);
+                points.push_back({(p[0] + p[1] + p[2]) / 3.0f, normal, normal, o, t, 1 / 3.0f, 1 / 3.0f,
+                                  0.1f * box.diagonal(), glm::vec3(0)});
+                points.back().of_many = of_many;
+            }
+        }
+        ASSERT_GT(points.size(), 10000u);
+        std::vector<glm::vec3> irradiance(points.size());
+        const auto batch = cache.make_batch();
+        ASSERT_TRUE(cache.shade(*batch, points, irradiance.data()));
+        made[of_many] = cache.points();
+        mean[of_many] = 0;
+        for (const glm::vec3& light : irradiance) mean[of_many] += static_cast<double>(luminance(light));
+    }
+    std::printf("%zu cache points instead of %zu, mean light %.3f\n", made[1], made[0], mean[1] / mean[0]);
+    EXPECT_LT(made[1], made[0] * 3 / 4);
+    EXPECT_NEAR(mean[1] / mean[0], 1, .03);
+}
+
 // A memory limit costs time but changes no frame; at most twice the points of a frame are kept.
 TEST(IrradianceCache, MemoryLimitChangesNoFrame)
 {

@@ -242,6 +242,33 @@ TEST(ThinnedBounces, AMovingSheetIsFollowedAsIfNew)
     EXPECT_NEAR(value[0] / value[1], .5f, .05f);
 }
 
+// A sheet that a host moves between a light and the wall that reflects it: as one that stands there, and as if new.
+TEST(ThinnedBounces, AMovingSheetThinsWhatReachesTheWall)
+{
+    for (const Lit lit : {Lit::spot, Lit::surface})
+        for (const int bounces : {1, k_all_bounces}) {
+            InstanceId sheet;
+            const Scene scene = wall_and_floor({lit, Place::before_the_wall, black(.5f)}, &sheet);
+            const RenderOptions options = bounced(bounces);
+            const auto at = [&](double z) {
+                FrameInput input;
+                input.transforms.push_back({sheet, Transform::translation(0, 0, z)});
+                return input;
+            };
+            const auto green = [](const Frame& frame) { return frame.layers.front().value(24, 25, 1); };
+            const float still = green(Renderer(options).render(scene, 1));
+            Renderer kept(options);
+            const float away = green(kept.render(scene, at(60)));
+            const float before_wall = green(kept.render(scene, at(.25)));
+            const float again = green(kept.render(scene, at(61)));
+            Renderer fresh(options);
+            EXPECT_EQ(green(fresh.render(scene, at(.25))), before_wall);
+            EXPECT_NEAR(before_wall / away, .25f, .03f) << static_cast<int>(lit) << ' ' << bounces;
+            EXPECT_NEAR(before_wall / still, 1, .06f) << static_cast<int>(lit) << ' ' << bounces;
+            EXPECT_EQ(again, away);
+        }
+}
+
 TEST(ThinnedBounces, AnotherAlphaFromAHostShowsInTheNextFrame)
 {
     SceneBuilder b(wall_and_floor({Lit::surface}));

@@ -17,6 +17,7 @@ case "$2" in
     *refused*) exit 3 ;;
     *crashes*) kill -SEGV $$ ;;
 esac
+[ "$7" = "" ] || [ "$7 $8" = "--threads 1" ] || exit 2
 echo "warning: one" >&2
 echo "a line" >&2
 """
@@ -57,6 +58,10 @@ class FileCosts(unittest.TestCase):
     def test_chooses_files(self):
         self.assertIn("1 files", self.run_on(["a.gltf", "busy.gltf"], "--only", "busy")[1][-1])
         self.assertEqual(len(self.run_on(["a.gltf", "busy.gltf"], "--slowest", "1")[1]), 3)
+
+    def test_passes_options_on_behind_others(self):
+        code, lines = self.run_on(["a.gltf"], "--size", "8x8", "--", "--threads", "1")
+        self.assertEqual((code, lines[-1][:7]), (0, "1 files"))
 
 
 if __name__ == "__main__":

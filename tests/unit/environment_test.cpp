@@ -8,6 +8,7 @@
 #include "base/random.h"
 #include "gnomon/gnomon.h"
 #include "io/image/exr.h"
+#include "scene/direction_grid.h"
 #include "scene/scene.h"
 #include "support.h"
 
@@ -231,6 +232,16 @@ TEST(EnvironmentLight, RefusesInvalidNumbers)
     const gnomon::Scene scene = load("builtin:cornell");
     for (const int lights : {0, 3, 2048, -1}) EXPECT_THROW(scene.with_environment("any.hdr", lights), UsageError);
     EXPECT_THROW(scene.with_environment("/nowhere/any.hdr"), InputError);
+}
+
+TEST(Environment, AGridHasTheDirectionsOfTheImage)
+{
+    for (const auto& [columns, rows] : {std::pair{7, 3}, {64, 32}, {1000, 3}}) {
+        const DirectionGrid grid(columns, rows);
+        for (int y = 0; y < rows; ++y)
+            for (int x = 0; x < columns; ++x)
+                ASSERT_EQ(grid.at(x, y), Environment::direction_at((x + 0.5) / columns, (y + 0.5) / rows));
+    }
 }
 
 }   // namespace

@@ -89,5 +89,49 @@ TEST(SharedPlaces, OnesOfTheirOwnForNarrowConesAndOtherPaths)
     EXPECT_EQ(places.own_points()[1], 2u);
 }
 
+// Of triangles that are smaller than the cone, one stands in for those around it that face its way; the choice depends
+// on neither the order of questions nor what else is asked.
+TEST(SharedPlaces, SmallTrianglesShareThemToo)
+{
+    Points all(std::make_shared<const scene::Scene>(scene::make_spheres({.objects = 1, .dynamic = 0})));
+    scene::ObjectId ball = 0;
+    while (all.rays.geometry(ball).mesh->triangles.size() < 1000) ++ball;
+    const auto triangles = static_cast<std::uint32_t>(all.rays.geometry(ball).mesh->triangles.size());
+    Box3 box;
+    for (std::uint32_t t = 0; t < triangles; ++t) {
+        glm::vec3 p[3];
+        all.rays.geometry(ball).corners(t, p);
+        for (const glm::vec3& corner : p) box.add(corner);
+    }
+    const float width = box.diagonal() / 4;
+    for (std::uint32_t t = 0; t < triangles; ++t) all.add(ball, t, 0.3f, 0.3f, width, 16);
+    std::vector<std::uint32_t> asked(all.points.size()), backwards;
+    std::iota(asked.begin(), asked.end(), 0u);
+    for (std::size_t k = asked.size(); k-- > 0;)
+        if (k % 3 == 0) backwards.push_back(asked[k]);
+    PlaceGroups groups, others;
+    SharedPlaces places(all.rays, &groups), again(all.rays, &others), alone(all.rays);
+    places.find(all.batch(), asked);
+    again.find(all.batch(), backwards);
+    alone.find(all.batch(), asked);
+    EXPECT_EQ(alone.places().size(), asked.size());
+    EXPECT_LT(places.places().size(), asked.size() / 5);
+    EXPECT_GT(groups.bytes(), 0u);
+    for (std::size_t k = 0; k < asked.size(); ++k) {
+        const visibility::ShadowPoint& place = places.places()[places.place_of(k)];
+        EXPECT_LE(glm::distance(place.origin, all.points[k].surface.position), width);
+        EXPECT_GT(glm::dot(place.normal, all.normals[k]), 0);
+        EXPECT_NEAR(glm::length(place.normal), 1, 1e-5f);
+    }
+    for (std::size_t k = 0; k < backwards.size(); ++k)
+        EXPECT_EQ(again.places()[again.place_of(k)].origin, places.places()[places.place_of(backwards[k])].origin);
+    // Narrow cones keep to their triangles.
+    Points narrow(std::make_shared<const scene::Scene>(scene::make_spheres({.objects = 1, .dynamic = 0})));
+    for (std::uint32_t t = 0; t < triangles; ++t) narrow.add(ball, t, 0.3f, 0.3f, 0.01f * width, 16);
+    SharedPlaces own(narrow.rays, &others);
+    own.find(narrow.batch(), asked);
+    EXPECT_GE(own.places().size(), asked.size());
+}
+
 }   // namespace
 }   // namespace gnomon::trace

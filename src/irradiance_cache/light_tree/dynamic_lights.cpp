@@ -100,6 +100,40 @@ void keep_brightest(std::vector<DynamicVirtualLight>& lights, std::size_t count)
 
 }   // namespace
 
+void LightTree::find_dynamics()
+{
+    dynamics_.clear();
+    reflection_.forget();   // objects may have other meshes
+    for (scene::ObjectId o = 0; o < state_->scene().objects.size(); ++o)
+        if (state_->is_dynamic(o) && !state_->scene().objects[o].removed && takes_light(o)) dynamics_.push_back(o);
+    dynamic_groups_.clear(), thin_groups_.clear();
+    std::unordered_map<std::uint32_t, std::size_t> group_of_owner, thin_of_owner;
+    for (const scene::ObjectId o : dynamics_) {
+        const bool casts = casters_.casts(o);
+        std::vector<std::vector<scene::ObjectId>>& groups = casts ? dynamic_groups_ : thin_groups_;
+        const auto [at, first] = (casts ? group_of_owner : thin_of_owner).try_emplace(owner_of(o), groups.size());
+        if (first) groups.emplace_back();
+        groups[at->second].push_back(o);
+    }
+}
+
+// Whether an object occludes light, or thins it.
+bool LightTree::takes_light(scene::ObjectId object) const
+{
+    if (casters_.casts(object)) return true;
+    const scene::Scene& scene = state_->scene();
+    return std::ranges::any_of(scene.meshes[scene.objects[object].mesh].parts, [&](const scene::MeshPart& part) {
+        return scene::thins_light(scene.materials[part.material]);
+    });
+}
+
+// The texels of a view that a dynamic object covers if it is there.
+light_views::Rect LightTree::footprint(const View& view, scene::ObjectId object) const
+{
+    if (!takes_light(object) || !state_->object_there(object)) return {};
+    return light_views::footprint(view.projection, state_->object_matrix(object), casters_.box(object));
+}
+
 // Finds the lit surfaces of dynamic objects, in every frame in which one moves, and sums them by owner and by the
 // octant that they face.
 void LightTree::gather_dynamic()

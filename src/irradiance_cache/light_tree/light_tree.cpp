@@ -166,21 +166,6 @@ void LightTree::follow_light(Tasks& tasks)
     mark_changes();
 }
 
-void LightTree::find_dynamics()
-{
-    dynamics_.clear();
-    reflection_.forget();   // objects may have other meshes
-    for (scene::ObjectId o = 0; o < state_->scene().objects.size(); ++o)
-        if (state_->is_dynamic(o) && !state_->scene().objects[o].removed && casters_.casts(o)) dynamics_.push_back(o);
-    dynamic_groups_.clear();
-    std::unordered_map<std::uint32_t, std::size_t> group_of_owner;
-    for (const scene::ObjectId o : dynamics_) {
-        const auto [at, first] = group_of_owner.try_emplace(owner_of(o), dynamic_groups_.size());
-        if (first) dynamic_groups_.emplace_back();
-        dynamic_groups_[at->second].push_back(o);
-    }
-}
-
 void LightTree::find_roots()
 {
     roots_.clear();
@@ -253,7 +238,7 @@ void LightTree::make_view(View& view)
     std::fill(view.occluded.begin(), view.occluded.end(), 0);
     view.patch.assign(patches_ && patches_->bounces() ? count : 0, patches::PatchLinks::k_none);
     view.on = at.visible && light.color != glm::vec3(0) && !light.of_environment;
-    view.dynamic_objects.clear(count), view.stray = 0;
+    view.dynamic_objects.clear(count), view.passes.clear(), view.stray = 0;
     if (!view.on) return;
     const auto projections = light_views::project(light, at, bounds_, view.side, light_views::k_projection);
     view.projection = projections[static_cast<std::size_t>(view.face)];
@@ -386,7 +371,7 @@ light_views::Rect LightTree::DynamicFootprints::set(scene::ObjectId object, cons
 void LightTree::find_dynamic(View& view, std::vector<light_views::Rect>& where) const
 {
     for (const scene::ObjectId o : dynamics_) {
-        const light_views::Rect rect = casters_.footprint(view.projection, *state_, o);
+        const light_views::Rect rect = footprint(view, o);
         if (rect.empty()) continue;
         view.dynamic_objects.set(o, rect);
         where.push_back(rect);
@@ -407,9 +392,9 @@ int LightTree::stray_of(const View& view, const glm::vec3& sample, std::uint32_t
     return off < view.side ? static_cast<int>(std::ceil(off)) : view.side;
 }
 
-// Tests again whether dynamic objects occlude the leaves in some rectangles, and updates the flux of those that changed
-// and of the nodes above them. A leaf that no footprint covers is not occluded, so that the result depends on the
-// present state alone.
+// Tests again whether dynamic objects occlude the leaves in some rectangles, or thin their light, and updates the flux
+// of those that changed and of the nodes above them. A leaf that no footprint covers has all of its light, so that the
+// result depends on the present state alone.
 void LightTree::occlude_leaves(View& view, const std::vector<light_views::Rect>& where)
 {
     if (where.empty()) return;
@@ -437,16 +422,25 @@ void LightTree::occlude_leaves(View& view, const std::vector<light_views::Rect>&
     }
     std::vector<std::uint8_t> occluded(tested.size() + ray::k_packet_pad);
     rays_->occluded(queue, 0, tested.size(), occluded.data(), ray::Against::dynamic_only);
-    for (std::size_t k = 0; k < tested.size(); ++k)
-        if (view.dynamic_objects.covers[tested[k]] == 0) occluded[k] = 0;
+    const bool thins = rays_->thins_light();
+    if (thins && view.passes.empty()) view.passes.assign(view.occluded.size(), glm::vec3(1));
+    std::vector<glm::vec3> passes(view.passes.empty() ? 0 : tested.size(), glm::vec3(1));
+    if (thins) rays_->let_through(queue, 0, tested.size(), passes.data(), ray::Against::dynamic_only);
+    for (std::size_t k = 0; k < tested.size(); ++k) {
+        if (view.dynamic_objects.covers[tested[k]] != 0) continue;
+        occluded[k] = 0;
+        if (!passes.empty()) passes[k] = glm::vec3(1);
+    }
 
     // Set the flux of those that changed.
     std::vector<std::uint32_t> dirty;
     for (std::size_t k = 0; k < tested.size(); ++k) {
         const std::uint32_t i = tested[k];
-        if (view.occluded[i] == occluded[k]) continue;
+        if (view.occluded[i] == occluded[k] && (passes.empty() || view.passes[i] == passes[k])) continue;
         view.occluded[i] = occluded[k];
-        flux_.set(leaves + i, occluded[k] ? glm::vec3(0) : static_flux_.at(leaves + i));
+        if (!passes.empty()) view.passes[i] = passes[k];
+        const glm::vec3 flux = occluded[k] ? glm::vec3(0) : static_flux_.at(leaves + i);
+        flux_.set(leaves + i, passes.empty() ? flux : flux * passes[k]);
         dirty.push_back(i);
         view.dirty.push_back(leaves + i);
     }
@@ -554,8 +548,8 @@ void LightTree::follow_dynamic(const scene::FrameChanges& changes)
         if (!view.on || changes.light_changed(view.light)) continue;
         std::vector<light_views::Rect> where;
         for (const scene::ObjectId o : changes.changed) {
-            if (!casters_.casts(o)) continue;
-            const light_views::Rect now = casters_.footprint(view.projection, *state_, o);
+            if (!takes_light(o)) continue;
+            const light_views::Rect now = footprint(view, o);
             where.push_back(view.dynamic_objects.set(o, now));
             where.push_back(now);
         }

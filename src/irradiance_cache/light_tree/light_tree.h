@@ -183,7 +183,8 @@ class LightTree {
         int stray = 0;            // texels by which leaves' samples lie beyond the margins of footprints
         DynamicFootprints dynamic_objects;
         std::vector<std::uint16_t> patch;   // by leaf, in tree order: the patch that it lies on; empty without bounces
-        std::vector<std::uint8_t> occluded;   // by leaf, in tree order
+        std::vector<std::uint8_t> occluded;   // by leaf, in tree order: by dynamic objects
+        std::vector<glm::vec3> passes;        // likewise, what these let through; empty where nothing thins light
         std::vector<NodeId> dirty;            // flux changed in this frame
     };
     struct Leaf {
@@ -203,6 +204,8 @@ class LightTree {
                  std::span<const glm::vec3> factor) const;
     void follow_dynamic(const scene::FrameChanges& changes);
     void find_dynamic(View& view, std::vector<light_views::Rect>& where) const;
+    bool takes_light(scene::ObjectId object) const;
+    light_views::Rect footprint(const View& view, scene::ObjectId object) const;
     static int stray_of(const View& view, const glm::vec3& sample, std::uint32_t leaf);
     void occlude_leaves(View& view, const std::vector<light_views::Rect>& where);
     void mark_changes();
@@ -213,7 +216,7 @@ class LightTree {
     void make_patches(Tasks& tasks);
     bool follow_patches(Tasks& tasks, bool& relit);
 
-    std::vector<glm::vec3> lit_patches(bool occluded_only) const;
+    std::vector<glm::vec3> lit_patches(bool lost_only) const;
     void light_patches(Tasks& tasks);
     void follow_light(Tasks& tasks);
     void light_patches_now(Tasks& tasks);
@@ -245,8 +248,9 @@ class LightTree {
     std::vector<NodeId> children_;
     std::vector<NodeId> roots_;
     std::vector<NodeId> changed_;                                // by the last update
-    std::vector<scene::ObjectId> dynamics_;                      // dynamic objects that cast shadows
-    std::vector<std::vector<scene::ObjectId>> dynamic_groups_;   // of these, by owner
+    std::vector<scene::ObjectId> dynamics_;                      // dynamic objects that occlude or thin light
+    std::vector<std::vector<scene::ObjectId>> dynamic_groups_;   // of these, by owner: those that occlude it
+    std::vector<std::vector<scene::ObjectId>> thin_groups_;      // likewise, the others
     std::uint32_t geometry_version_ = 1, flux_version_ = 1;
     bool geometry_changed_ = false;
     std::atomic<std::uint64_t> dirty_leaves_ = 0, dirty_nodes_ = 0;

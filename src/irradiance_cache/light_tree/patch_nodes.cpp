@@ -67,7 +67,7 @@ void LightTree::note_patch(View& view, std::uint32_t leaf_number, const Leaf& le
 }
 
 // Sums the flux of the light maps' leaves by patch: of all, or of those that dynamic objects occlude.
-std::vector<glm::vec3> LightTree::lit_patches(bool occluded_only) const
+std::vector<glm::vec3> LightTree::lit_patches(bool lost_only) const
 {
     std::vector<glm::vec3> lit;
     if (!patches_->bounces()) return lit;
@@ -76,8 +76,9 @@ std::vector<glm::vec3> LightTree::lit_patches(bool occluded_only) const
         if (!view.on || view.patch.empty()) continue;
         const NodeId leaves = first_of_level(view, view.levels);
         for (std::size_t i = 0; i < view.patch.size(); ++i) {
-            if (view.patch[i] == patches::PatchLinks::k_none || (occluded_only && !view.occluded[i])) continue;
-            lit[view.patch[i]] += static_flux_.at(leaves + static_cast<NodeId>(i));
+            if (view.patch[i] == patches::PatchLinks::k_none) continue;
+            const NodeId leaf = leaves + static_cast<NodeId>(i);
+            lit[view.patch[i]] += lost_only ? static_flux_.at(leaf) - flux_.at(leaf) : static_flux_.at(leaf);
         }
     }
     return lit;
@@ -144,13 +145,14 @@ void LightTree::light_patches_now(Tasks& tasks)
     if (!patches_) return;
     const bool before = patches_->differs();
     std::vector<patches::BoundingSphere> spheres;
-    for (const std::vector<scene::ObjectId>& group : dynamic_groups_) {
-        Box3 box;
-        for (const scene::ObjectId o : group)
-            if (state_->object_visible(o) && !casters_.box(o).empty())
-                add_moved(casters_.box(o), state_->object_matrix(o), box);
-        if (!box.empty()) spheres.push_back(sphere_around(box));
-    }
+    for (const auto* groups : {&dynamic_groups_, &thin_groups_})
+        for (const std::vector<scene::ObjectId>& group : *groups) {
+            Box3 box;
+            for (const scene::ObjectId o : group)
+                if (state_->object_visible(o) && !casters_.box(o).empty())
+                    add_moved(casters_.box(o), state_->object_matrix(o), box);
+            if (!box.empty()) spheres.push_back(sphere_around(box));
+        }
     patches_->light_now(lost_, received_, *state_, *rays_, spheres, tasks);
     if (!before && !patches_->differs()) return;
     const PatchTree& tree = patches_->tree();

@@ -32,6 +32,7 @@ struct IndirectPoint {
     glm::vec3 to_viewer{0};   // unit, or 0: unknown
     // Place in a tile of pixels, for points that the camera sees directly; each place once per call. -1: none.
     std::int16_t x = -1, y = -1;
+    bool of_many = false;   // one of many points of which the mean is shown, as those that rays of one lobe meet
 };
 
 /// Level of detail: the largest power of two not above a spacing, and how far the spacing is towards the next.

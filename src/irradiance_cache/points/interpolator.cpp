@@ -139,6 +139,9 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
                                BatchWork& work, glm::vec3* irradiance, CacheCounters& counters)
 {
     replaced_.clear();
+    const auto is_of_mean = [&](const PartRequest& request) {
+        return points[request.point].of_many && !work.dynamic[request.point];
+    };
     if (are != PartsAre::own) find_hidden(frame, points, work, counters);
     for (std::size_t k = 0; k < work.parts.size(); ++k) {
         const PartRequest& request = work.parts[k];
@@ -149,8 +152,9 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
         }
         glm::vec3 light = request.part->irradiance(point.normal);
         // Take finer parts where geometry covers the centre of a part or hides it from the surface point, or where it
-        // is dark, so that no black dot appears.
-        const bool replaced = are != PartsAre::own && (hidden_[k] != 0 || light == glm::vec3(0));
+        // is dark, so that no black dot appears; of a mean, once.
+        const bool last = are == PartsAre::own || (are == PartsAre::finer && is_of_mean(request));
+        const bool replaced = !last && (hidden_[k] != 0 || light == glm::vec3(0));
         if (!replaced) {
             if (light == glm::vec3(0)) light = request.part->version == 0 ? frame.average : request.fallback;
             irradiance[request.point] += request.weight * light;
@@ -164,7 +168,9 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
             continue;
         }
         const bool finer = are == PartsAre::far && !work.dynamic[request.point];
-        const PartWeights parts = finer ? select_finer_parts(frame, point) : select_pixel_parts(frame, point);
+        const PartWeights parts = !finer                ? select_pixel_parts(frame, point)
+                                  : is_of_mean(request) ? select_parts_of_mean(frame, point)
+                                                        : select_finer_parts(frame, point);
         for (int i = 0; i < parts.count; ++i)
             replaced_.push_back(
                 {request.point, request.weight * parts.weight[i], parts.key[i], nullptr, request.fallback});

@@ -97,6 +97,12 @@ PartWeights select_finer_parts(const CacheFrame& frame, const IndirectPoint& poi
     return select_parts(frame, point, spacing, spacing);
 }
 
+PartWeights select_parts_of_mean(const CacheFrame& frame, const IndirectPoint& point)
+{
+    const float spacing = frame.options.pixels_per_own * point.width;
+    return select_parts(frame, point, spacing, spacing);
+}
+
 PartWeights select_pixel_parts(const CacheFrame& frame, const IndirectPoint& point)
 {
     PartWeights parts;

@@ -25,6 +25,8 @@ PartWeights select_parts(const CacheFrame& frame, const IndirectPoint& point, fl
 PartWeights select_far_parts(const CacheFrame& frame, const IndirectPoint& point);
 /// Finer ones, for where those do not represent the pixel.
 PartWeights select_finer_parts(const CacheFrame& frame, const IndirectPoint& point);
+/// The finest ones, for a point of many whose mean is shown: of small triangles, those that represent the ones around.
+PartWeights select_parts_of_mean(const CacheFrame& frame, const IndirectPoint& point);
 /// Parts of the point's triangle around the pixel itself.
 PartWeights select_pixel_parts(const CacheFrame& frame, const IndirectPoint& point);
 

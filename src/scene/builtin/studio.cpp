@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "scene/direction_grid.h"
+
 namespace gnomon::scene {
 
 namespace {
@@ -63,10 +65,10 @@ std::shared_ptr<const Environment> studio_environment()
 {
     static const std::shared_ptr<const Environment> made = [] {
         ImageF image(k_width, k_height, 3);
+        const DirectionGrid directions(k_width, k_height);
         for (int y = 0; y < k_height; ++y)
             for (int x = 0; x < k_width; ++x) {
-                const glm::vec3 radiance =
-                    studio_radiance(Environment::direction_at((x + 0.5) / k_width, (y + 0.5) / k_height));
+                const glm::vec3 radiance = studio_radiance(directions.at(x, y));
                 float* to = image.pixel(x, y);
                 to[0] = radiance.x, to[1] = radiance.y, to[2] = radiance.z;
             }
