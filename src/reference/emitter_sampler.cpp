@@ -45,6 +45,7 @@ EmitterSampler::EmitterSampler(const scene::SceneState& state, const ray::RaySce
 {
     const scene::Scene& scene = state.scene();
     double total = 0;
+    std::vector<Source> sources;
     for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
         if (!state.object_there(o)) continue;
         const ray::ObjectGeometry& geometry = rays.geometry(o);
@@ -52,10 +53,10 @@ EmitterSampler::EmitterSampler(const scene::SceneState& state, const ray::RaySce
             const scene::Material& material = scene.materials[part.material];
             if (!may_emit(material)) continue;
             interruption_point();
-            std::vector<float>& densities = densities_[o];
-            densities.resize(geometry.mesh->triangles.size(), 0.0f);
+            std::vector<std::uint32_t>& numbers = numbers_[o];
+            numbers.resize(geometry.mesh->triangles.size(), k_none);
             for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t) {
-                Triangle triangle{o, t, {}, 0};
+                Triangle triangle{o, t, {}, 0, 0};
                 geometry.corners(t, triangle.corners);
                 const glm::vec3 cross =
                     glm::cross(triangle.corners[1] - triangle.corners[0], triangle.corners[2] - triangle.corners[0]);
@@ -64,15 +65,22 @@ EmitterSampler::EmitterSampler(const scene::SceneState& state, const ray::RaySce
                 const double weight = area * static_cast<double>(triangle.density);
                 if (!(weight > 0) || !std::isfinite(weight)) continue;
                 total += weight;
+                triangle.area = static_cast<float>(area);
+                numbers[t] = static_cast<std::uint32_t>(triangles_.size());
                 triangles_.push_back(triangle);
                 sums_.push_back(total);
+                Source& source = sources.emplace_back();
+                for (const glm::vec3& corner : triangle.corners) source.bounds.add(corner);
+                source.axis = glm::vec3(glm::dvec3(cross) / (geometry.mirrored ? -2 * area : 2 * area));
+                source.reach = static_cast<float>(k_pi / 2);
+                source.two_sided = !material.one_sided();
+                source.power = static_cast<float>(weight);
             }
         }
     }
-    for (Triangle& triangle : triangles_) {
+    for (Triangle& triangle : triangles_)
         triangle.density = static_cast<float>(static_cast<double>(triangle.density) / total);
-        densities_[triangle.object][triangle.triangle] = triangle.density;
-    }
+    tree_ = SourceTree(sources);
 }
 
 EmitterPoint EmitterSampler::sample(float u, float v, float w) const
@@ -80,18 +88,50 @@ EmitterPoint EmitterSampler::sample(float u, float v, float w) const
     const double wanted = static_cast<double>(u) * sums_.back();
     const auto at = std::min<std::ptrdiff_t>(std::upper_bound(sums_.begin(), sums_.end(), wanted) - sums_.begin(),
                                              static_cast<std::ptrdiff_t>(sums_.size()) - 1);
-    const Triangle& triangle = triangles_[static_cast<std::size_t>(at)];
-    // Map the square to the triangle [Turk 1990].
+    return point_of(triangles_[static_cast<std::size_t>(at)], v, w);
+}
+
+// A point of a triangle, uniformly [Turk 1990].
+EmitterPoint EmitterSampler::point_of(const Triangle& triangle, float v, float w)
+{
     const float root = std::sqrt(v);
     const float a = 1 - root, b = root * (1 - w), c = root * w;
-    return {triangle.object, triangle.triangle,
-            a * triangle.corners[0] + b * triangle.corners[1] + c * triangle.corners[2], triangle.density};
+    return {triangle.object,
+            triangle.triangle,
+            b,
+            c,
+            a * triangle.corners[0] + b * triangle.corners[1] + c * triangle.corners[2],
+            triangle.density};
+}
+
+std::uint32_t EmitterSampler::number_of(scene::ObjectId object, std::uint32_t triangle) const
+{
+    const auto at = numbers_.find(object);
+    return at == numbers_.end() ? k_none : at->second[triangle];
 }
 
 float EmitterSampler::density(scene::ObjectId object, std::uint32_t triangle) const
 {
-    const auto at = densities_.find(object);
-    return at == densities_.end() ? 0 : at->second[triangle];
+    const std::uint32_t number = number_of(object, triangle);
+    return number == k_none ? 0 : triangles_[number].density;
+}
+
+EmitterPoint EmitterSampler::sample_for(const glm::vec3& position, const glm::vec3& normal, double u, float v,
+                                        float w) const
+{
+    const SourceTree::Choice choice = tree_.choose(position, normal, u);
+    if (!(choice.chance > 0)) return {};
+    const Triangle& triangle = triangles_[choice.source];
+    EmitterPoint point = point_of(triangle, v, w);
+    point.density = choice.chance / triangle.area;
+    return point;
+}
+
+float EmitterSampler::density_for(const glm::vec3& position, const glm::vec3& normal, scene::ObjectId object,
+                                  std::uint32_t triangle) const
+{
+    const std::uint32_t number = number_of(object, triangle);
+    return number == k_none ? 0 : tree_.chance(number, position, normal) / triangles_[number].area;
 }
 
 glm::vec3 EmitterSampler::emission(const shading::SurfacePoint& surface, const scene::Material& material)

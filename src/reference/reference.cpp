@@ -39,9 +39,14 @@ ReferenceLight::ReferenceLight(const scene::SceneState& state, const ray::RaySce
         const auto id = static_cast<scene::LightId>(l);
         if (state.light(id).visible && light.color != glm::vec3(0) && uses(light)) lights_.push_back(id);
     }
+    choice_ = std::make_unique<LightChoice>(state, lights_);
     if (options.shining) {
         emitters_ = std::make_unique<EmitterSampler>(state, rays);
         if (emitters_->empty()) emitters_.reset();
+    }
+    if (options.bounces > 0 && !transparent_ && !rays.thins_light()) {
+        emission_ = std::make_unique<LightEmission>(state, rays, lights_);
+        if (emission_->empty()) emission_.reset();
     }
     if (!options.surroundings) return;
 

@@ -13,21 +13,26 @@
 //   - Lobes of rough surfaces (Request::glossy) reflect emissive surfaces and the background, without a bounce.
 //   - Mirrors and glass cast no light on other surfaces. A surface that does not block shadow rays does not block
 //     indirect light; one that thins light blocks a path with the probability of what it does not let through.
-//   - All lights of the scene take part, whatever their falloff. One of them is sampled at a time, with a probability
-//   in
-//     proportion to its unshadowed contribution.
+//   - All lights of the scene take part, whatever their falloff. One of them is sampled at a time (light_choice.h), and
+//     one place of an emissive surface (emitter_sampler.h).
 //   - Irradiance is the integral of radiance times the cosine. The lights of AFF lack a factor of pi, and its radiance
-//   is
-//     that of its images; so for every material: reflected radiance = diffuse / pi * irradiance.
+//     is that of its images; so for every material: reflected radiance = diffuse / pi * irradiance.
 // Directional lights are discs of an angular diameter, if one is given: a direction in it is drawn for each ray.
 // With `surroundings`, the background lights the points too: the sky, and the environment image in place of the lights
 // that approximate it (by both kinds of sampling, combined by the balance heuristic [Veach and Guibas 1995]). With
 // `shining`, emissive surfaces emit light, whatever other lights there are, in place of the lights that approximate
 // them (scene/defaults/emissive_lights.h), and are sampled in the same two ways. Otherwise lights alone do.
 //
+// Light that reaches a path's first surfaces over one bounce is found in a second way, too: a ray that leaves a light
+// or an emissive surface ends where light arrives, and that place is connected with the path by a shadow ray [Veach and
+// Guibas 1994, "Bidirectional Estimators for Light Transport"]; the balance heuristic weighs both. Lit places that few
+// rays from elsewhere meet, such as the circle of a spot light or the gap above a luminous plate, are sampled by their
+// light. Where surfaces thin light or let it through, there is the first way alone.
+//
 // All decisions of a path are points of scrambled low-discrepancy sequences (sample_pattern.h); paths of low throughput
 // end at random from the second bounce on. The result is the same for any number of threads: a point's random numbers
-// depend on the seed and its key alone. Cost: a sample is one ray and at most one shadow ray per bounce, in packets.
+// depend on the seed and its key alone. Cost: a sample is one ray and at most one shadow ray per bounce, in packets; a
+// ray from a light, and a shadow ray for each connection.
 
 #include <memory>
 #include <span>
@@ -38,6 +43,8 @@
 #include "ray/ray_scene.h"
 #include "reference/emitter_sampler.h"
 #include "reference/environment_sampler.h"
+#include "reference/light_choice.h"
+#include "reference/light_emission.h"
 #include "reference/sample_pattern.h"
 #include "shading/surface.h"
 
@@ -112,11 +119,13 @@ class ReferenceLight {
     const ray::RayScene& rays_;
     ReferenceOptions options_;
     std::vector<scene::LightId> lights_;   // that emit light
-    scene::Background background_;         // without the sun, which is a light
+    std::unique_ptr<LightChoice> choice_;
+    scene::Background background_;   // without the sun, which is a light
     bool background_shines_ = false;
     std::unique_ptr<EmitterSampler> emitters_;          // null: no surface shines
     bool transparent_ = false;                          // some materials do not block light
     std::unique_ptr<EnvironmentSampler> environment_;   // null: none to sample
+    std::unique_ptr<LightEmission> emission_;           // null: paths are not connected with places that are lit
 };
 
 /// Traces paths in bulk. One object per thread; its memory is reused.
@@ -146,6 +155,7 @@ class ReferencePaths {
         glm::vec3 direction;                      // of its next ray
         glm::vec3 indirect, surroundings;
         std::uint32_t passes = 0;                        // surfaces that thin light that it met
+        float inverse_density = 0;                       // see from_light()
         bool aff = false;                                // the surface counts irradiance as AFF does
         const shading::SurfacePoint* glossy = nullptr;   // of a path that starts at a lobe, and ends with its first ray
 
@@ -154,6 +164,15 @@ class ReferencePaths {
         {
             return glm::dot(way, geometric_normal) > 0 ? origin : smooth_origin;
         }
+    };
+    // A place that a ray from a light meets.
+    struct LitPlace {
+        EmittedRay ray;
+        scene::ObjectId object = scene::none;
+        std::uint32_t triangle = 0;
+        float u = 0, v = 0;
+        glm::vec3 position{0}, geometric_normal{0};   // on the side that is lit, above it by the rounding of rays
+        float density = 0;   // per unit of area, that a ray from a light ends here, over that of its direction
     };
     class Sum;
     void push_first(const Request& request, int batch, std::uint32_t u, std::uint32_t v, int sample);
@@ -168,6 +187,12 @@ class ReferencePaths {
     static float own_density(const Path& path, const glm::vec3& direction);
     static glm::vec3 response(const Path& path, const glm::vec3& direction);
     void ask_lights(int bounce);
+    // Of the second way to light over one bounce (reference_connections.cpp).
+    void find_lit_places();
+    bool connects(int bounce) const;
+    void connect(int bounce);
+    glm::vec3 arriving(const LitPlace& place, const shading::SurfacePoint& s, float own, float& both);
+    static float from_light(const Path& path, const glm::vec3& to_light, float density);
     void choose_directions(int bounce);
     void trace_shadows(bool to_surroundings);
     /// What surfaces along the rays let through, in passed_.
@@ -177,12 +202,13 @@ class ReferencePaths {
     ReferenceCounters counters_;
     SamplePattern pattern_;
     std::vector<Path> paths_;
+    std::vector<LitPlace> lit_;   // by path
     ray::RayQueue rays_, shadow_rays_, passing_;
     std::vector<std::uint32_t> ray_path_, shadow_path_,
         standing_;   // by ray: its path; paths that still have a surface
     std::vector<glm::vec3> shadow_gain_;
     std::vector<EmitterPoint> emitter_points_;   // by ray
-    std::vector<float> light_chance_;
+    LightChoice::Scratch choice_;
     ray::Hits hits_, next_hits_;
     std::vector<std::uint32_t> passing_ray_;
     std::vector<std::uint8_t> occluded_;

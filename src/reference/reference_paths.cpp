@@ -13,14 +13,15 @@ namespace gnomon::reference {
 
 namespace {
 
-// Batches of a point's samples. Their spread gives the error with 15 degrees of freedom, while each batch is still
-// large enough to profit from stratified sampling.
-constexpr int k_batches = 16;
-constexpr int k_least_batch = 4;   // samples; for fewer, every sample is a batch of its own
+// Batches of a point's samples. Their spread gives the error with 15 degrees of freedom. Of fewer samples there are
+// fewer batches, so that each is large enough to profit from stratified sampling.
+constexpr int k_batches = 16, k_fewer_batches = 8;
+constexpr int k_good_batch = 64, k_least_batch = 8;   // samples; for fewer, every sample is a batch of its own
 constexpr std::size_t k_paths_at_once = 2048;
 
 // Paths of low throughput end at random from this bounce on; the weight of those that continue compensates.
 constexpr int k_first_roulette = 2;
+constexpr float k_full_throughput = 0.5f;   // that of paths which none of this ends
 constexpr float k_least_survival = 0.1f;
 
 // A ray passes at most this many surfaces that do not block light; then it is lost.
@@ -36,6 +37,7 @@ std::uint32_t decision_at(int bounce, Decision what)
 }
 
 constexpr std::uint32_t k_passing = 1u << 30;   // decisions of a path at surfaces that thin light
+constexpr std::uint32_t k_finer = 1u << 28;     // further digits of other decisions
 
 constexpr auto k_float_pi = static_cast<float>(k_pi);
 
@@ -50,7 +52,8 @@ float solid_density(float per_area, float distance, const glm::vec3& direction, 
 
 int batches_of(int samples)
 {
-    return samples >= k_batches * k_least_batch ? k_batches : samples;
+    if (samples >= k_batches * k_good_batch) return k_batches;
+    return samples >= k_fewer_batches * k_least_batch ? k_fewer_batches : samples;
 }
 
 }   // namespace
@@ -185,9 +188,11 @@ void ReferencePaths::run_paths()
     counters_.paths += paths_.size();
     standing_.resize(paths_.size());
     for (std::uint32_t i = 0; i < paths_.size(); ++i) standing_[i] = i;
+    find_lit_places();
     for (int bounce = 0;; ++bounce) {
         ask_environment(bounce);
         ask_emitters(bounce);
+        connect(bounce);
         if (!trace_on(bounce)) return;
         ask_lights(bounce);
         choose_directions(bounce);
@@ -195,7 +200,7 @@ void ReferencePaths::run_paths()
         std::erase_if(standing_, [&](std::uint32_t i) {
             Path& path = paths_[i];
             const float most = std::max({path.weight.x, path.weight.y, path.weight.z});
-            const float chance = std::clamp(most, k_least_survival, 1.0f);
+            const float chance = std::clamp(most / k_full_throughput, k_least_survival, 1.0f);
             if (chance < 1 && path.numbers.one(decision_at(bounce, survival)) >= chance) return true;
             path.weight /= chance;
             return false;
@@ -231,7 +236,11 @@ void ReferencePaths::ask_emitters(int bounce)
     for (const std::uint32_t i : standing_) {
         Path& path = paths_[i];
         const glm::vec2 at = path.numbers.pair(decision_at(bounce, place_on_emitter));
-        const EmitterPoint point = light_.emitters_->sample(path.numbers.one(decision_at(bounce, emitter)), at.x, at.y);
+        // A number for as many choices as the tree has levels.
+        const double choice = static_cast<double>(path.numbers.one(decision_at(bounce, emitter))) +
+                              0x1p-24 * static_cast<double>(path.numbers.one(k_finer + decision_at(bounce, emitter)));
+        const EmitterPoint point = light_.emitters_->sample_for(path.position, path.normal, choice, at.x, at.y);
+        if (!(point.density > 0)) continue;
         const glm::vec3& origin = path.origin_to(point.position - path.position);
         const glm::vec3 to_point = point.position - origin;
         const float distance = glm::length(to_point);
@@ -327,14 +336,23 @@ bool ReferencePaths::trace_on(int bounce)
         if (light_.emitters_) {
             const glm::vec3 emission = EmitterSampler::emission(s, material_of(r));
             const float own = own_density(path, path.direction);
-            const float other = solid_density(light_.emitters_->density(hits_.object[r], hits_.triangle[r]), hits_.t[r],
-                                              path.direction, s);
+            float other = 0;
+            if (emission != glm::vec3(0))
+                other = solid_density(
+                    light_.emitters_->density_for(path.position, path.normal, hits_.object[r], hits_.triangle[r]),
+                    hits_.t[r], path.direction, s);
             if (emission != glm::vec3(0) && (bounce > 0 || light_.options_.shining_unbounced))
                 gain(path, bounce,
                      path.weight * k_float_pi * (own / std::max(own + other, std::numeric_limits<float>::min())) *
                          emission);
         }
         path.weight *= s.diffuse;
+        path.inverse_density = 0;
+        if (connects(bounce)) {
+            const float density =
+                own_density(path, path.direction) * std::abs(glm::dot(path.direction, s.geometric_normal));
+            if (density > 0) path.inverse_density = hits_.t[r] * hits_.t[r] / density;
+        }
         if (path.glossy || last || path.weight == glm::vec3(0)) continue;
         path.position = s.position;
         path.origin = s.position + s.offset * s.geometric_normal;
@@ -420,33 +438,16 @@ void ReferencePaths::ask_lights(int bounce)
     if (light_.lights_.empty()) return;
     const scene::Scene& scene = light_.state_.scene();
     shadow_rays_.clear(), shadow_path_.clear(), shadow_gain_.clear();
-    light_chance_.resize(light_.lights_.size());
     for (const std::uint32_t i : standing_) {
         Path& path = paths_[i];
-        // Compute the unshadowed contribution of each light.
-        float sum = 0;
-        for (std::size_t k = 0; k < light_.lights_.size(); ++k) {
-            const scene::LightId l = light_.lights_[k];
-            const scene::LightSample sample = scene::illuminate(scene.lights[l], light_.state_.light(l), path.position);
-            const float cosine = glm::dot(sample.to_light, path.normal);
-            const bool faces = cosine > 0 && path.is_above(sample.to_light);
-            light_chance_[k] = faces ? cosine * luminance(sample.irradiance) : 0;
-            sum += light_chance_[k];
-        }
-        if (!(sum > 0)) continue;
-
-        // Choose one in proportion to it.
-        std::size_t chosen = 0;
-        if (light_.lights_.size() > 1) {
-            float left = path.numbers.one(decision_at(bounce, light)) * sum;
-            for (std::size_t k = 0; k < light_.lights_.size(); ++k) {
-                if (light_chance_[k] > 0) chosen = k;
-                if ((left -= light_chance_[k]) < 0) break;
-            }
-        }
-        const scene::LightId l = light_.lights_[chosen];
+        const double number =
+            light_.lights_.size() > 1 ? static_cast<double>(path.numbers.one(decision_at(bounce, light))) : 0;
+        const LightChoice::Chosen chosen =
+            light_.choice_->choose(path.position, path.normal, path.smooth_normal, number, choice_);
+        if (!(chosen.chance > 0)) continue;
+        const scene::LightId l = light_.lights_[chosen.light];
         const scene::LightState& at = light_.state_.light(l);
-        const scene::LightSample sample = scene::illuminate(scene.lights[l], at, path.position);
+        const scene::LightSample& sample = chosen.sample;
         const bool directional = scene.lights[l].type == scene::LightType::directional;
         const glm::vec3& origin = path.origin_to(sample.to_light);
         glm::vec3 way = directional ? -at.direction : at.position - origin;
@@ -465,8 +466,13 @@ void ReferencePaths::ask_lights(int bounce)
                           directional ? k_infinity : ray::k_shadow_ray_end);
         shadow_path_.push_back(i);
         const bool lacks_pi = path.aff && !scene.lights[l].of_environment;
-        const float factor = (lacks_pi ? k_float_pi : 1.0f) * cosine * (sum / light_chance_[chosen]);
-        shadow_gain_.push_back(path.weight * sample.irradiance * factor);
+        // Weigh the chance of this light against the density of its own rays.
+        float chance = chosen.chance;
+        if (path.inverse_density > 0 && !directional)
+            chance += from_light(
+                path, sample.to_light,
+                light_.emission_->density(chosen.light, -sample.to_light) / (sample.distance * sample.distance));
+        shadow_gain_.push_back(path.weight * sample.irradiance * ((lacks_pi ? k_float_pi : 1.0f) * cosine / chance));
     }
     trace_shadows(false);
 }

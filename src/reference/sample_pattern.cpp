@@ -62,15 +62,15 @@ glm::vec3 cosine_direction(const glm::vec3& n, float u, float v)
     // Fold the square onto the disk, ring by ring.
     const float a = 2 * u - 1, b = 2 * v - 1;
     constexpr auto quarter = static_cast<float>(k_pi / 4);
-    float radius = 0, angle = 0;
-    if (std::abs(a) > std::abs(b)) {
-        radius = a;
-        angle = quarter * (b / a);
-    } else if (b != 0) {
-        radius = b;
-        angle = 2 * quarter - quarter * (a / b);
-    }
-    const float x = radius * std::cos(angle), y = radius * std::sin(angle);
+    const bool wide = std::abs(a) > std::abs(b);
+    const float radius = wide ? a : b;
+    if (radius == 0) return n;
+    // Sine and cosine of an angle up to an eighth of a turn by their series, to the rounding of float.
+    const float angle = quarter * ((wide ? b : a) / radius), square = angle * angle;
+    const float sine =
+        angle * (1 + square * (-1.0f / 6 + square * (1.0f / 120 + square * (-1.0f / 5040 + square * (1.0f / 362880)))));
+    const float cosine = 1 + square * (-0.5f + square * (1.0f / 24 + square * (-1.0f / 720 + square * (1.0f / 40320))));
+    const float x = radius * (wide ? cosine : sine), y = radius * (wide ? sine : cosine);
     const float z = std::sqrt(std::max(0.0f, 1 - x * x - y * y));
     glm::vec3 s, t;
     make_basis(n, s, t);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene/light.h"
+#include "scene/light_cone.h"
 
 #include <algorithm>
 
@@ -29,7 +29,18 @@ bool same_reach(const Light& a, const Light& b)
            same_bits(a.range, b.range);
 }
 
+LightCone cone_of(const Light& light)
+{
+    if (light.type != LightType::spot) return {};
+    return {std::cos(light.outer_angle), std::cos(std::min(light.inner_angle, light.outer_angle))};
+}
+
 LightSample illuminate(const Light& light, const LightState& state, const glm::vec3& point)
+{
+    return illuminate(light, state, cone_of(light), point);
+}
+
+LightSample illuminate(const Light& light, const LightState& state, const LightCone& cone, const glm::vec3& point)
 {
     LightSample sample;
     if (!state.visible) return sample;
@@ -54,14 +65,12 @@ LightSample illuminate(const Light& light, const LightState& state, const glm::v
     }
     if (light.type == LightType::spot) {
         const float cosine = -glm::dot(sample.to_light, state.direction);
-        const float outer = std::cos(light.outer_angle);
-        if (cosine <= outer) return {sample.to_light, sample.distance, glm::vec3(0)};
+        if (cosine <= cone.outer) return {sample.to_light, sample.distance, glm::vec3(0)};
         if (light.profile == SpotProfile::cosine) {
             strength *= cosine;
         } else {
             // Apply the angular attenuation of KHR_lights_punctual.
-            const float inner = std::cos(std::min(light.inner_angle, light.outer_angle));
-            const float fade = std::clamp((cosine - outer) / std::max(inner - outer, 1e-4f), 0.0f, 1.0f);
+            const float fade = std::clamp((cosine - cone.outer) / std::max(cone.inner - cone.outer, 1e-4f), 0.0f, 1.0f);
             strength *=
                 light.profile == SpotProfile::smooth ? fade * fade : cosine * fade * fade * (3.0f - 2.0f * fade);
         }

@@ -45,6 +45,27 @@ TEST(SkyLight, OpenSurfaceReceivesFullSkyIrradiance)
     }
 }
 
+// What a point sees through an opening of 30 degrees, which is as wide as a courtyard from an arcade, over all
+// openings.
+TEST(SkyLight, DirectionsResolveAnOpeningOfThirtyDegrees)
+{
+    const SkyLight sky(blue_sky());
+    const float least = std::cos(static_cast<float>(k_pi / 12));
+    const double expected = 0.5 * (1 - static_cast<double>(least)) * static_cast<double>(k_sky_directions);
+    double square = 0;
+    constexpr int k_rows = 40, k_columns = 40;
+    for (int row = 0; row < k_rows; ++row)
+        for (int column = 0; column < k_columns; ++column) {
+            const double up = (row + 0.5) / k_rows, angle = 2 * k_pi * (column + 0.5 * (row % 2)) / k_columns;
+            const double across = std::sqrt(1 - up * up);
+            const glm::vec3 middle(glm::dvec3(across * std::cos(angle), up, across * std::sin(angle)));
+            int seen = 0;
+            for (std::size_t i = 0; i < k_sky_directions; ++i) seen += glm::dot(sky.direction(i), middle) >= least;
+            square += std::pow(seen / expected - 1, 2);
+        }
+    EXPECT_LT(std::sqrt(square / (k_rows * k_columns)), 0.12);   // with 128 directions, .32
+}
+
 TEST(SkyLight, ExcludesTheSun)
 {
     scene::Background sunny = blue_sky();

@@ -13,7 +13,7 @@
 
 namespace gnomon::irradiance_cache {
 
-inline constexpr std::size_t k_sky_directions = 128;
+inline constexpr std::size_t k_sky_directions = 512;
 
 /// A bit per direction.
 struct SkyMask {
