@@ -134,7 +134,7 @@ TEST(EnvironmentFrame, WhiteMaterialsVanishInAnEvenSky)
 // all of the lobe, and never more.
 TEST(EnvironmentFrame, WhiteMetalsBesideEachOtherShowNoMoreThanTheSky)
 {
-    for (const float roughness : {0.1f, 0.2f, 0.35f, 0.5f, 0.75f, 1.0f}) {
+    for (const float roughness : {0.1f, 0.35f, 0.75f}) {
         SceneBuilder builder;
         const MeshId ball = add_ball(builder);
         const MaterialId metal = builder.material({.base_color = {1, 1, 1}, .metallic = 1, .roughness = roughness});
@@ -143,7 +143,7 @@ TEST(EnvironmentFrame, WhiteMetalsBesideEachOtherShowNoMoreThanTheSky)
         set_even_sky(builder);
         builder.camera(orthographic(4.6));
         double sum = 0;
-        const std::vector<float> image = colours(Renderer(options_of(96)).render(builder.finish(), 1));
+        const std::vector<float> image = colours(Renderer(options_of(64)).render(builder.finish(), 1));
         int dark = 0;
         for (const float value : image) {
             EXPECT_LE(value, 1.005f) << roughness;
