@@ -43,11 +43,11 @@ struct Lobe {
     float roughness = 1;               // perceptual
 };
 
+/// What a lobe sees of the environment; radiance.
 struct SeenByLobe {
-    glm::vec3 light{
-        0};            // of visible cells, as a mean over all of the lobe: of an even sky, its radiance if all is seen
-    float share = 0;   // how much of the light of all of the lobe that is, by luminance
-    glm::vec3 open{0};   // the mean radiance where the lobe sees the environment: what its rays show that meet nothing
+    glm::vec3 light{0};   // of visible cells, as a mean over all of the lobe
+    float share = 0;      // how much of the light of all of the lobe that is, by luminance
+    glm::vec3 open{0};    // the mean where the lobe sees the environment: what its rays show that meet nothing
 };
 
 /// A function of the direction, as a table over the vertices of a square that folds to an octahedron
