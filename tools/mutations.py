@@ -270,6 +270,12 @@ MUTATIONS = (
         "static_cast<double>(direction.x), static_cast<double>(direction.z))",
         "unit:PatchSurroundings.*"),
     # ---- trace
+    row("bounce-beyond-hidden", "trace", "bounced light is not held to what hides the environment",
+        "src/trace/indirect_lights.cpp", "form_factors_[k] > hidden)", "form_factors_[k] > 2 * hidden)",
+        "property:EnvironmentFrame.WhiteBalls*"),
+    row("one-ray-of-lobe", "trace", "the mirrored ray of a rough surface ignores what its lobe sees of the image",
+        "src/trace/tile_tracer.cpp", "(highlight - point.image_by_lobe) * s.coverage", "highlight * s.coverage",
+        "property:EnvironmentFrame.WhiteBalls*"),
     row("lobe-window", "trace", "the borders of the lobe filter's window count whole",
         "src/trace/lobe_filter.cpp", "if (dx == -k_half || dx == k_half) share *= 0.5f;", "",
         "property:LobeFilter.*"),

@@ -174,8 +174,8 @@ struct CellLight::Lobes {
 };
 
 struct CellLight::Sums {
-    std::array<std::int64_t, 3> of{};
-    int terms = 0;
+    std::array<std::int64_t, 3> of{};   // by colour
+    std::int64_t angle = 0;             // projected solid angle over pi
 };
 
 CellLight::CellLight(const DirectionCells& cells, const scene::Environment* environment,
@@ -184,7 +184,11 @@ CellLight::CellLight(const DirectionCells& cells, const scene::Environment* envi
 {
     const std::size_t padded = 64 * cells.words();
     angle_.assign(padded, 0);
-    for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) angle_[leaf] = cells.angle(leaf);
+    angle_units_.assign(padded, 0);
+    for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
+        angle_[leaf] = cells.angle(leaf);
+        angle_units_[leaf] = static_cast<float>(static_cast<double>(angle_[leaf]) / k_pi * k_units);
+    }
     for (int axis = 0; axis < 3; ++axis) {
         const auto a = static_cast<std::size_t>(axis);
         for (auto* list : {&mean_[a], &flux_[a], &units_[a]}) list->assign(padded, 0);
@@ -221,18 +225,21 @@ CellLight::Sums CellLight::sum(const glm::vec3& normal, std::span<const std::uin
             const std::size_t first = 64 * w + 8 * byte;
             const float *x = mean_[0].data() + first, *y = mean_[1].data() + first, *z = mean_[2].data() + first;
             const float *r = units_[0].data() + first, *g = units_[1].data() + first, *b = units_[2].data() + first;
+            const float* const a = angle_units_.data() + first;
             const auto& keep = masks.of[bits];
-            std::array<std::int32_t, k_lanes> red, green, blue;
+            std::array<std::int32_t, k_lanes> red, green, blue, angle;
             for (std::size_t i = 0; i < k_lanes; ++i) {
                 const float cosine = normal.x * x[i] + normal.y * y[i] + normal.z * z[i];
                 const float lit = cosine > 0 ? cosine : 0;
                 red[i] = static_cast<std::int32_t>(r[i] * lit) & keep[i];
                 green[i] = static_cast<std::int32_t>(g[i] * lit) & keep[i];
                 blue[i] = static_cast<std::int32_t>(b[i] * lit) & keep[i];
+                angle[i] = static_cast<std::int32_t>(a[i] * lit) & keep[i];
             }
-            std::int32_t sum_r = 0, sum_g = 0, sum_b = 0;   // all flux is below 2^30 units
-            for (std::size_t i = 0; i < k_lanes; ++i) sum_r += red[i], sum_g += green[i], sum_b += blue[i];
-            sums.of[0] += sum_r, sums.of[1] += sum_g, sums.of[2] += sum_b;
+            std::int32_t sum_r = 0, sum_g = 0, sum_b = 0, sum_a = 0;   // each is below 2^30 units
+            for (std::size_t i = 0; i < k_lanes; ++i)
+                sum_r += red[i], sum_g += green[i], sum_b += blue[i], sum_a += angle[i];
+            sums.of[0] += sum_r, sums.of[1] += sum_g, sums.of[2] += sum_b, sums.angle += sum_a;
         }
     }
     return sums;
@@ -243,16 +250,18 @@ glm::vec3 CellLight::irradiance(const glm::vec3& normal) const
     return normals_.at(normal);
 }
 
-glm::vec3 CellLight::irradiance(const glm::vec3& normal, std::span<const std::uint64_t> seen,
+FromCells CellLight::from_cells(const glm::vec3& normal, std::span<const std::uint64_t> seen,
                                 std::span<const PartialCell> partial) const
 {
     // What shares bring beyond the bits.
     glm::vec3 more(0);
+    float opened = 0;
     for (const PartialCell& cell : partial) {
         const float whole = (seen[cell.leaf / 64] >> (cell.leaf % 64) & 1) != 0 ? 1.0f : 0.0f;
         const float cosine =
             normal.x * mean_[0][cell.leaf] + normal.y * mean_[1][cell.leaf] + normal.z * mean_[2][cell.leaf];
         more += (cell.share - whole) * std::max(cosine, 0.0f) * cells_.flux(cell.leaf);
+        opened += (cell.share - whole) * std::max(cosine, 0.0f) * angle_[cell.leaf] / static_cast<float>(k_pi);
     }
     std::size_t visible = 0;
     for (const std::uint64_t word : seen) visible += static_cast<std::size_t>(std::popcount(word));
@@ -261,11 +270,13 @@ glm::vec3 CellLight::irradiance(const glm::vec3& normal, std::span<const std::ui
     if (4 * visible > cells_.leaves()) {
         const Sums hidden = sum(normal, seen, ~std::uint64_t{0});
         for (int c = 0; c < 3; ++c) result[c] = static_cast<float>(hidden.of[static_cast<std::size_t>(c)]) * unit_[c];
-        return glm::max(irradiance(normal) - result + more, glm::vec3(0));
+        return {glm::max(irradiance(normal) - result + more, glm::vec3(0)),
+                static_cast<float>(static_cast<double>(hidden.angle) / k_units) - opened};
     }
     const Sums sums = sum(normal, seen, 0);
     for (int c = 0; c < 3; ++c) result[c] = static_cast<float>(sums.of[static_cast<std::size_t>(c)]) * unit_[c];
-    return partial.empty() ? result : glm::max(result + more, glm::vec3(0));
+    const float open = static_cast<float>(static_cast<double>(sums.angle) / k_units) + opened;
+    return {partial.empty() ? result : glm::max(result + more, glm::vec3(0)), 1 - open};
 }
 
 glm::vec3 CellLight::blurred(const glm::vec3& direction, float roughness) const

@@ -35,6 +35,12 @@ struct CellLightOptions {
     float by_tables = 0.3f, by_cells = 0.45f;
 };
 
+/// What arrives at a surface from visible cells.
+struct FromCells {
+    glm::vec3 irradiance{0};
+    float hidden = 0;   // share of the hemisphere, by cosine, that surfaces fill
+};
+
 /// A lobe at a point of a surface; all directions are unit.
 struct Lobe {
     glm::vec3 to_viewer{0};
@@ -82,6 +88,12 @@ class CellLight {
     /// @param seen     a bit for each leaf
     /// @param partial  cells of which a share is visible, whatever their bit
     glm::vec3 irradiance(const glm::vec3& normal, std::span<const std::uint64_t> seen,
+                         std::span<const PartialCell> partial = {}) const
+    {
+        return from_cells(normal, seen, partial).irradiance;
+    }
+    /// The same, and how much of the hemisphere that is.
+    FromCells from_cells(const glm::vec3& normal, std::span<const std::uint64_t> seen,
                          std::span<const PartialCell> partial = {}) const;
 
     /// The mean radiance that a lobe around a mirror direction sees. @param roughness  perceptual
@@ -104,6 +116,7 @@ class CellLight {
     std::array<std::vector<float>, 3> mean_, flux_;   // by axis and colour, padded to whole words
     std::vector<float> angle_;                        // solid; as long
     std::array<std::vector<float>, 3> units_;         // flux in units of the sums
+    std::vector<float> angle_units_;                  // likewise, of solid angles
     glm::vec3 unit_{0};
     std::vector<std::uint64_t> exists_;   // leaves
     DirectionTable normals_;

@@ -177,11 +177,12 @@ void IrradianceCache::follow_dynamic_objects(bool first)
         if (takes_light(o)) dynamic_bounds_.move(sphere_of_[o], sphere_around(o));
 }
 
-bool IrradianceCache::shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance)
+bool IrradianceCache::shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance,
+                            float* form_factors)
 {
     Batch::Scratch& own = *batch.scratch_;
     try {
-        return shade_points(own, points, irradiance);
+        return shade_points(own, points, irradiance, form_factors);
     } catch (...) {
         // Wake the threads that wait for this one: they fail as it did.
         failure_.record(std::current_exception());
@@ -191,12 +192,14 @@ bool IrradianceCache::shade(Batch& batch, std::span<const IndirectPoint> points,
     }
 }
 
-bool IrradianceCache::shade_points(Batch::Scratch& own, std::span<const IndirectPoint> points, glm::vec3* irradiance)
+bool IrradianceCache::shade_points(Batch::Scratch& own, std::span<const IndirectPoint> points, glm::vec3* irradiance,
+                                   float* form_factors)
 {
     // Choose the pixels to compute; the others are interpolated between them on the screen.
     BatchWork& work = own.work;
     bool near_field = false;   // some pixel is narrow enough for it
     work.dynamic.resize(points.size());
+    work.form_factor.assign(points.size(), 0);
     for (std::size_t i = 0; i < points.size(); ++i) {
         work.dynamic[i] = frame_.state->is_dynamic(points[i].object) || !(points[i].width > 0);
         near_field = near_field || (!work.dynamic[i] && points[i].width < 2 * near_field_.fade_width());
@@ -226,6 +229,10 @@ bool IrradianceCache::shade_points(Batch::Scratch& own, std::span<const Indirect
 
     // Interpolate on the screen.
     own.pixels.fill(irradiance);
+    if (form_factors) {
+        own.pixels.fill(work.form_factor.data());
+        std::ranges::copy(work.form_factor, form_factors);
+    }
     if (near_field && near_field_.hints()) {
         own.pixels.fill(work.near_weight.data());
         if (own.near_field.select(frame_, points, work, failure_, counters)) add_near_field(own, points, irradiance);

@@ -54,9 +54,12 @@ class IrradianceCache {
 
     /// Computes the irradiance that arrives at surface points by one diffuse bounce. Thread-safe, with a batch for each
     /// thread.
+    /// @param form_factors  out, unless null: by point, about that of the surfaces that the light comes from, at most.
+    ///                      Without patches, 0
     /// @return  always true without a device. With one, false if points were queued for it, and there is no irradiance
     /// yet; for_each() repeats such calls.
-    bool shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance);
+    bool shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance,
+               float* form_factors = nullptr);
     /// Runs body(i, worker) for every i below `count` on the threads of `tasks`. Where it returns false because shade()
     /// did, it runs again after the device evaluated the queued points.
     /// @param batches  one for each thread of `tasks`, by worker
@@ -89,7 +92,8 @@ class IrradianceCache {
     void enclose_dynamic_objects();
     void follow_dynamic_objects(bool first);
     void drop_static_results();
-    bool shade_points(Batch::Scratch& own, std::span<const IndirectPoint> points, glm::vec3* irradiance);
+    bool shade_points(Batch::Scratch& own, std::span<const IndirectPoint> points, glm::vec3* irradiance,
+                      float* form_factors);
     void evaluate_claimed(Batch::Scratch& own);
     void add_near_field(Batch::Scratch& own, std::span<const IndirectPoint> points, glm::vec3* irradiance);
     void defer_new_points(PointClaims& claims);

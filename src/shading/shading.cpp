@@ -74,13 +74,6 @@ glm::vec3 mirrored(const SurfacePoint& s, const glm::vec3& normal)
     return glm::normalize(result);
 }
 
-// The fraction of a lobe of this roughness for which a mirror ray is traced.
-float traced_part(float roughness)
-{
-    const float t = std::clamp((roughness - k_mirror_roughness) / (k_matte_roughness - k_mirror_roughness), 0.0f, 1.0f);
-    return 1 - t * t * (3 - 2 * t);
-}
-
 // The dielectric's Fresnel reflectance, between the surface's own reflectance at normal incidence and at grazing
 // angles.
 glm::vec3 scaled_fresnel(const SurfacePoint& s, float fresnel)
@@ -104,6 +97,12 @@ void add_coat(const SurfacePoint& s, Continuation& c)
 }
 
 }   // namespace
+
+float traced_part(float roughness)
+{
+    const float t = std::clamp((roughness - k_mirror_roughness) / (k_matte_roughness - k_mirror_roughness), 0.0f, 1.0f);
+    return 1 - t * t * (3 - 2 * t);
+}
 
 float fresnel_dielectric(float cosine, float eta)
 {

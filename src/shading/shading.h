@@ -47,6 +47,9 @@ struct Continuation {
 };
 Continuation continue_from(const SurfacePoint& s);
 
+/// The fraction of a lobe of this perceptual roughness for which one mirrored ray is traced.
+float traced_part(float roughness);
+
 /// Diffuse radiance towards the viewer by light from many directions. For glTF surfaces, light that is accounted for by
 /// reflected rays and Continuation::unresolved_weight is not counted again. Includes pi for AFF surfaces too, because
 /// the incoming light is radiance.

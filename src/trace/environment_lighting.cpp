@@ -14,6 +14,7 @@ namespace gnomon::trace {
 
 namespace {
 
+using environment_light::FromCells;
 using environment_light::Guides;
 
 constexpr int k_lattice = 4;                // pixels between points that guide others
@@ -32,6 +33,16 @@ glm::vec3 interpolated(std::span<const glm::vec3> of_places, const PlaceLattice:
 {
     glm::vec3 sum(0);
     for (std::size_t i = 0; i < around.place.size(); ++i) sum += around.weight[i] * of_places[around.place[i]];
+    return sum;
+}
+
+FromCells interpolated(std::span<const FromCells> of_places, const PlaceLattice::Around& around)
+{
+    FromCells sum;
+    for (std::size_t i = 0; i < around.place.size(); ++i) {
+        sum.irradiance += around.weight[i] * of_places[around.place[i]].irradiance;
+        sum.hidden += around.weight[i] * of_places[around.place[i]].hidden;
+    }
     return sum;
 }
 
@@ -167,11 +178,11 @@ void EnvironmentLighting::find_seen(const PointBatch& batch, std::size_t tile)
     std::iota(asked_places_.begin(), asked_places_.end(), 0u);
     if (!between.empty())
         light.visibility().find(scratch_, between, asked_places_, {}, technique_.memory(tile), lattice_seen_);
-    lattice_irradiance_.resize(between.size());
+    lattice_light_.resize(between.size());
     lattice_passes_.assign(passing_.any() ? between.size() : 0, glm::vec3(1));
     for (std::size_t p = 0; p < between.size(); ++p) {
         const std::span<const std::uint64_t> seen = lattice_seen_.of(p);
-        lattice_irradiance_[p] = light.light().irradiance(between[p].normal, seen, lattice_seen_.partial_of(p));
+        lattice_light_[p] = light.light().from_cells(between[p].normal, seen, lattice_seen_.partial_of(p));
         if (passing_.any())
             lattice_passes_[p] =
                 passing_.from_cells(between[p].normal, between[p].origin, light.visibility().cells(), seen);
@@ -244,7 +255,7 @@ void EnvironmentLighting::find_shared()
     };
     const auto publish = [&](PlaceMemory::Place& place, std::size_t k) {
         memory.publish(place, shared_seen_.of(k),
-                       light.light().irradiance(places[claimed_[k]].normal, shared_seen_.of(k), {}));
+                       light.light().from_cells(places[claimed_[k]].normal, shared_seen_.of(k), {}));
     };
     try {
         claimed_.reserve(places.size());
@@ -281,8 +292,8 @@ bool EnvironmentLighting::is_between(std::size_t k) const
     if (!around.any()) return false;
     float least = k_infinity, most = 0;
     for (const std::uint32_t place : around.place) {
-        const float light = luminance(passing_.any() ? lattice_passes_[place] * lattice_irradiance_[place]
-                                                     : lattice_irradiance_[place]);
+        const glm::vec3& irradiance = lattice_light_[place].irradiance;
+        const float light = luminance(passing_.any() ? lattice_passes_[place] * irradiance : irradiance);
         least = std::min(least, light), most = std::max(most, light);
     }
     return most - least <= lattice_.options().alike * most;
@@ -327,6 +338,7 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
     interruption_point();
     reflected_.assign(batch.points.size(), 0);
     by_lobes_.assign(batch.points.size(), {});
+    hidden_.assign(batch.points.size(), 1);
     asked_.clear();
     for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
         const shading::SurfacePoint& s = batch.points[p].surface;
@@ -377,10 +389,12 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
         }
         glm::vec3 radiance(0);
         if (s.diffuse != glm::vec3(0)) {
-            const glm::vec3 irradiance = plane ? interpolated(lattice_irradiance_, *between)
+            const FromCells from_cells = plane ? interpolated(lattice_light_, *between)
                                          : shared && s.normal == horizon && !seen_smoothly
-                                             ? shared->irradiance()
-                                             : light.light().irradiance(s.normal, seen, partial);
+                                             ? shared->from_cells()
+                                             : light.light().from_cells(s.normal, seen, partial);
+            const glm::vec3& irradiance = from_cells.irradiance;
+            if (!passing_.any()) hidden_[asked_[k]] = std::clamp(from_cells.hidden, 0.0f, 1.0f);
             if (highlight < 1)
                 radiance += (1 - highlight) * shading::reflect_irradiance(s, point.next, glm::vec3(0), irradiance);
             // What the lobe does not reflect reaches the diffuse layer.

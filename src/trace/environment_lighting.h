@@ -88,6 +88,9 @@ class EnvironmentLighting {
     };
     /// Likewise.
     std::span<const ByLobe> by_lobes() const { return by_lobes_; }
+    /// Likewise: the share of the hemisphere, by cosine, that surfaces fill, at most. 1 where that is not known,
+    /// because the point was not asked for diffuse light, or because surfaces let light through that they also reflect.
+    std::span<const float> hidden() const { return hidden_; }
     /// The same with the light of suns. Also gives the light and its visible share.
     void light_by_suns(const PointBatch& batch, std::size_t tile, const scene::SceneState& state,
                        const std::function<void(const TilePoint&, const glm::vec3&, scene::LightId, float)>& add);
@@ -113,7 +116,8 @@ class EnvironmentLighting {
     PassingLight passing_;
     PlaceLattice lattice_;
     environment_light::SeenCells lattice_seen_;
-    std::vector<glm::vec3> lattice_irradiance_, lattice_passes_;   // by place; empty: nothing thins light
+    std::vector<environment_light::FromCells> lattice_light_;   // by place
+    std::vector<glm::vec3> lattice_passes_;                     // likewise; empty: nothing thins light
     SharedPlaces places_;
     std::vector<glm::vec3> own_passes_;          // by place of one point; only where something thins light
     std::vector<PlaceMemory::Place*> shared_;    // by shared place
@@ -124,6 +128,7 @@ class EnvironmentLighting {
     environment_light::SeenCells seen_;
     std::vector<float> reflected_;
     std::vector<ByLobe> by_lobes_;
+    std::vector<float> hidden_;
     std::vector<std::uint32_t> asked_;          // points that could reflect light
     std::vector<std::uint32_t> apart_;          // of these, those that are not between places
     std::vector<std::uint32_t> apart_at_;       // by asked point: its index there; k_between

@@ -54,7 +54,13 @@ class CachedIndirect::Work final : public Worker {
             result.point.push_back(p);
         }
         result.irradiance.resize(asked_.size());
-        light_.cache_.shade(*batch_, asked_, result.irradiance.data());
+        form_factors_.resize(asked_.size());
+        light_.cache_.shade(*batch_, asked_, result.irradiance.data(), form_factors_.data());
+        // The surfaces that light a point fill no more than what hides the environment from it. Interpolated between
+        // cache points, their form factor is more in places, and so is their light.
+        for (std::size_t k = 0; k < asked_.size(); ++k)
+            if (const float hidden = batch.points[result.point[k]].hidden; form_factors_[k] > hidden)
+                result.irradiance[k] *= hidden / form_factors_[k];
     }
     std::unique_ptr<irradiance_cache::IrradianceCache::Batch> take_batch() { return std::move(batch_); }
 
@@ -62,6 +68,7 @@ class CachedIndirect::Work final : public Worker {
     const CachedIndirect& light_;
     std::unique_ptr<irradiance_cache::IrradianceCache::Batch> batch_;
     std::vector<irradiance_cache::IndirectPoint> asked_;
+    std::vector<float> form_factors_;
 };
 
 std::unique_ptr<IndirectLight::Worker> CachedIndirect::make_worker()

@@ -59,10 +59,11 @@ PlaceMemory::Place& PlaceMemory::find(const PlaceKey& key, bool& is_own)
     return place;
 }
 
-void PlaceMemory::publish(Place& place, std::span<const std::uint64_t> seen, const glm::vec3& irradiance)
+void PlaceMemory::publish(Place& place, std::span<const std::uint64_t> seen,
+                          const environment_light::FromCells& from_cells)
 {
     place.seen_.assign(seen.begin(), seen.end());
-    place.irradiance_ = irradiance;
+    place.from_cells_ = from_cells;
     place.stage_ = Place::Stage::published;
     place.stage_.notify_all();
 }

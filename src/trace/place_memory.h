@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "base/math.h"
+#include "environment_light/cell_light.h"
 
 namespace gnomon::trace {
 
@@ -35,13 +36,14 @@ class PlaceMemory {
         /// Of the cells that the place sees. @pre published
         std::span<const std::uint64_t> seen() const { return seen_; }
         /// On a surface with the normal of the triangle. @pre published
-        const glm::vec3& irradiance() const { return irradiance_; }
+        const glm::vec3& irradiance() const { return from_cells_.irradiance; }
+        const environment_light::FromCells& from_cells() const { return from_cells_; }
 
      private:
         friend class PlaceMemory;
         PlaceKey key_;
         std::vector<std::uint64_t> seen_;
-        glm::vec3 irradiance_{0};
+        environment_light::FromCells from_cells_;
         enum class Stage : std::uint32_t { claimed, published, abandoned };
         std::atomic<Stage> stage_ = Stage::claimed;
     };
@@ -54,7 +56,8 @@ class PlaceMemory {
     /// @param is_own  out: the caller has to publish or abandon it
     Place& find(const PlaceKey& key, bool& is_own);
     /// Thread-safe.
-    static void publish(Place& place, std::span<const std::uint64_t> seen, const glm::vec3& irradiance);
+    static void publish(Place& place, std::span<const std::uint64_t> seen,
+                        const environment_light::FromCells& from_cells);
     void abandon(Place& place) noexcept;
     /// Waits for the thread that evaluates a place. Only after publishing what the caller claimed.
     /// @return  whether it was published; otherwise it was abandoned

@@ -499,6 +499,7 @@ void TileTracer::add_environment(const PointBatch& batch, Stopwatch& watch)
         for (std::size_t p = 0; p < points_.size(); ++p) {
             const EnvironmentLighting::ByLobe& lobe = environment_->by_lobes()[p];
             points_[p].image_by_lobe = lobe.share, points_[p].open = lobe.open;
+            points_[p].hidden = environment_->hidden()[p];
         }
     }
     watch.end(FrameTimes::shadows);
@@ -513,11 +514,17 @@ void TileTracer::add_indirect(const PointBatch& batch)
     for (std::size_t k = 0; k < arrives_.point.size(); ++k) {
         const TilePoint& point = points_[arrives_.point[k]];
         const auto reflected = [&](const glm::vec3& indirect, const glm::vec3& surroundings) {
-            if (!point.glossy)
-                return point.throughput * reflect_irradiance(point.surface, point.next, indirect, surroundings);
+            const shading::Continuation none;
+            if (!point.glossy) {
+                const glm::vec3 radiance = reflect_irradiance(point.surface, point.next, indirect, surroundings);
+                if (!stands_for_lobe(point)) return point.throughput * radiance;
+                return point.throughput *
+                       glm::mix(radiance,
+                                below_lobe(point) * reflect_irradiance(point.surface, none, indirect, surroundings),
+                                highlight_share(point.surface));
+            }
             // What the lobe does not reflect reaches the diffuse layer.
             const glm::vec3 below = glm::vec3(1) - shading::glossy_albedo(point.surface);
-            const shading::Continuation none;
             return point.throughput * (reflect_irradiance(point.surface, point.next, indirect, glm::vec3(0)) +
                                        below * reflect_irradiance(point.surface, none, glm::vec3(0), surroundings));
         };
@@ -556,6 +563,39 @@ void TileTracer::add_color(std::uint32_t pixel, const LobePath& lobe, const glm:
         lobe_light_[(lobe.batch - 1) * color_.size() + pixel] += radiance;
 }
 
+// What a surface without layers reflects of what its one reflected ray meets. The part of it that stands for the lobe
+// shows what hides the image from the lobe: both together are what the lobe reflects.
+TileTracer::MirroredRay TileTracer::mirrored_ray(const TilePoint& point) const
+{
+    const shading::SurfacePoint& s = point.surface;
+    const float highlight = highlight_share(s);
+    const glm::vec3 smooth = (1 - highlight) * point.next.reflected_weight;
+    glm::vec3 weight = (1 - point.image_by_lobe) * point.next.reflected_weight;
+    if (stands_for_lobe(point))
+        weight = smooth + (highlight - point.image_by_lobe) * s.coverage * (1 - shading::lobe_share(s)) *
+                              shading::traced_part(s.roughness) * shading::glossy_albedo(s);
+    const float all = largest(weight);
+    return {weight, all > 0 ? std::min(largest(smooth) / all, 1.0f) : 0};
+}
+
+// What reaches the diffuse layer below a lobe, of bounced light. The part of the lobe for which no ray is traced shows
+// that light, too, as far as the lobe does not see the image.
+glm::vec3 TileTracer::below_lobe(const TilePoint& point) const
+{
+    const shading::SurfacePoint& s = point.surface;
+    const float without_ray = (1 - shading::traced_part(s.roughness)) * (1 - shading::lobe_share(s));
+    const float lobe_hidden = 1 - point.image_by_lobe / highlight_share(s);
+    const float part = lobe_hidden < point.hidden ? lobe_hidden / point.hidden : 1;
+    return glm::vec3(1) - (1 - without_ray * part) * shading::glossy_albedo(s);
+}
+
+// Whether the lobe of a surface and its reflected ray share what it reflects.
+bool TileTracer::stands_for_lobe(const TilePoint& point) const
+{
+    const shading::SurfacePoint& s = point.surface;
+    return sees_image_ && !s.layered && s.transmitted == glm::vec3(0) && highlight_share(s) > 0;
+}
+
 // Queues the mirrored and refracted rays from the points just shaded, each kind by itself.
 // @param primary  they are primary hits, the lobes of which are traced later
 void TileTracer::queue_continuations(bool primary)
@@ -576,10 +616,9 @@ void TileTracer::queue_continuations(bool primary)
         if (s.layered) {
             queue_layered(point, lift);
         } else {
-            // What the lobe shows of the image is not hidden by what the ray meets.
-            const float left = 1 - point.image_by_lobe, own = left > 0 ? (1 - highlight_share(s)) / left : 0;
-            queue(next_reflected_, left * c.reflected_weight, s.position + lift, c.reflected,
-                  {point.glossy, sized_ ? std::min(own, 1.0f) : 1, sees_image_ ? std::min(own, 1.0f) : 1});
+            const MirroredRay ray = mirrored_ray(point);
+            queue(next_reflected_, ray.weight, s.position + lift, c.reflected,
+                  {point.glossy, sized_ ? ray.own : 1, sees_image_ ? ray.own : 1});
             queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted, {});
         }
         // A ray that goes straight on shows what it would have shown.

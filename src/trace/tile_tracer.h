@@ -120,6 +120,13 @@ class TileTracer {
     void shade_hits(const PathQueue& queue, bool primary, int sample, bool last_depth);
     void sort_hits(std::size_t count);
     glm::vec3 seen_of_background(const PathEnd& end, const glm::vec3& direction) const;
+    struct MirroredRay {
+        glm::vec3 weight{0};
+        float own = 0;   // part of it that shows emission and background
+    };
+    MirroredRay mirrored_ray(const TilePoint& point) const;
+    glm::vec3 below_lobe(const TilePoint& point) const;
+    bool stands_for_lobe(const TilePoint& point) const;
     glm::vec3 open_irradiance(const shading::SurfacePoint& s) const;
     glm::vec3 show_behind(TilePoint& point, const glm::vec3& direction) const;
     // Adds what a point sends to the viewer, to the colour or to what lies behind.

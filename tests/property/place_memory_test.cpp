@@ -30,7 +30,7 @@ TEST(PlaceMemory, GivesEachPlaceToOneThreadAndItsAnswerToAll)
             if (is_own) {
                 ++own;
                 const std::uint64_t seen[2] = {number, ~number};
-                PlaceMemory::publish(place, seen, glm::vec3(static_cast<float>(number)));
+                PlaceMemory::publish(place, seen, {glm::vec3(static_cast<float>(number))});
             }
             if (!PlaceMemory::wait(place) || place.seen()[0] != number || place.seen()[1] != ~number ||
                 place.irradiance().x != static_cast<float>(number))

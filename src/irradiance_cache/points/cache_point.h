@@ -40,6 +40,8 @@ struct CachePoint {
     // By colour: a vector whose dot product with a normal close to the point's own is the irradiance. Without dynamic
     // objects, and now.
     glm::vec3 static_light[3] = {}, light[3] = {};
+    // A vector whose dot product with such a normal is the form factor of the surfaces that this light comes from.
+    glm::vec3 facing{0};
     // Colour of the light of nodes by surfaces that thin it, relative to its luminance, which the nodes' weights have.
     glm::vec3 tint{1};
     std::uint32_t owner = k_no_owner;    // of points on dynamic objects: LightTree::owner_of()
@@ -64,6 +66,8 @@ struct CachePoint {
     {
         return glm::max(glm::vec3(glm::dot(light[0], n), glm::dot(light[1], n), glm::dot(light[2], n)), glm::vec3(0));
     }
+    /// The form factor of the static surfaces that light it.
+    float form_factor(const glm::vec3& n) const { return std::max(glm::dot(facing, n), 0.0f); }
     /// Adds light that arrives from a direction.
     void add_light(const glm::vec3& flux, const glm::vec3& direction)
     {

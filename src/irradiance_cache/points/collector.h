@@ -16,13 +16,19 @@
 
 namespace gnomon::irradiance_cache {
 
+/// Irradiance, and the form factor of the surfaces that it comes from.
+struct Arriving {
+    glm::vec3 light{0};
+    float form_factor = 0;
+};
+
 /// What a surface point still needs from a level of the lattice.
 struct LatticeRequest {
     std::uint32_t point;   // index of the surface point
     int level;
     std::uint32_t cell;
-    float weight;         // fraction of the point's irradiance that this level and finer ones provide
-    glm::vec3 fallback;   // irradiance by the level before, if this one has only begun to fade in
+    float weight;        // fraction of the point's irradiance that this level and finer ones provide
+    Arriving fallback;   // by the level before, if this one has only begun to fade in
 };
 
 /// What a surface point still needs from parts of triangles.
@@ -31,7 +37,7 @@ struct PartRequest {
     float weight;
     AnchorKey key;
     const CachePoint* part;
-    glm::vec3 fallback;   // irradiance by the lattice, whatever its weight
+    Arriving fallback;   // by the lattice, whatever its weight
 };
 
 /// A part whose irradiance at a surface point lacks the near field, because pixels are too wide for one of their own.
@@ -54,6 +60,7 @@ struct CollectedCell {
 struct BatchWork {
     std::vector<std::uint8_t> dynamic;   // by surface point: it is on a dynamic object, or its pixel has no width
     std::vector<float> near_weight;      // by surface point: fraction of its irradiance that lacks the near field
+    std::vector<float> form_factor;      // by surface point: of the surfaces that light it
     std::vector<LatticeRequest> lattice;
     std::vector<CollectedCell> cells;
     LatticePoints lattice_points;   // of `lattice`

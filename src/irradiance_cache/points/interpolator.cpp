@@ -50,6 +50,7 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
         if (const float rest = request.weight - weight; rest < 2 * k_least_rest)
             weight = std::min(request.weight, request.weight - 2 * std::max(rest - k_least_rest, 0.0f));
         irradiance[request.point] += weight * between;
+        work.form_factor[request.point] += weight * light_.form_factor[k];
         if (!frame.near_field.applies_at(spacing)) work.near_weight[request.point] -= weight;
         request.weight -= weight;
         if (!(request.weight > 0)) continue;
@@ -92,20 +93,21 @@ void Interpolator::gather_anchors(BatchWork& work)
             for (int way = 0; way < 4; ++way) cell.slope[way][i] = from.slope(way);
             for (int colour = 0; colour < 3; ++colour)
                 for (int axis = 0; axis < 3; ++axis) cell.light[3 * colour + axis][i] = from.light[colour][axis];
+            for (int axis = 0; axis < 3; ++axis) cell.facing[axis][i] = from.facing[axis];
         }
     }
 }
 
-// The irradiance of a level where its weight is small. At the foot of a wall few cache points contribute, and the
+// What arrives by a level where its weight is small. At the foot of a wall few cache points contribute, and the
 // others lie inside the wall.
-glm::vec3 Interpolator::fallback(const BatchWork& work, std::size_t k)
+Arriving Interpolator::fallback(const BatchWork& work, std::size_t k)
 {
     const glm::vec3 between(light_.r[k], light_.g[k], light_.b[k]);
-    if (between != glm::vec3(0)) return between;
+    if (between != glm::vec3(0)) return {between, light_.form_factor[k]};
     const LatticeRequest& request = work.lattice[k];
     interpolate_cell(work.cells[request.cell].anchors, {k_plane_around * spacing_of(request.level), k_facing, false},
                      work.lattice_points, k, 1, around_);
-    return {around_.r[k], around_.g[k], around_.b[k]};
+    return {{around_.r[k], around_.g[k], around_.b[k]}, around_.form_factor[k]};
 }
 
 // Whether a part's point does not see the surface point that it stands for. Both ends are raised, so that a surface
@@ -156,8 +158,14 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
         const bool last = are == PartsAre::own || (are == PartsAre::finer && is_of_mean(request));
         const bool replaced = !last && (hidden_[k] != 0 || light == glm::vec3(0));
         if (!replaced) {
-            if (light == glm::vec3(0)) light = request.part->version == 0 ? frame.average : request.fallback;
+            float form_factor = request.part->form_factor(point.normal);
+            if (light == glm::vec3(0)) {
+                const bool deferred = request.part->version == 0;
+                light = deferred ? frame.average : request.fallback.light;
+                form_factor = deferred ? 0 : request.fallback.form_factor;
+            }
             irradiance[request.point] += request.weight * light;
+            work.form_factor[request.point] += request.weight * form_factor;
             if (!work.dynamic[request.point])
                 if (const float near = frame.near_by_parts(point.width); near > 0)
                     work.near_parts.push_back({request.point, request.weight * near, request.key});

@@ -28,7 +28,7 @@ class Interpolator {
 
  private:
     static void gather_anchors(BatchWork& work);
-    glm::vec3 fallback(const BatchWork& work, std::size_t request);
+    Arriving fallback(const BatchWork& work, std::size_t request);
 
     LatticeLight light_, around_;
     void find_hidden(const CacheFrame& frame, std::span<const IndirectPoint> points, const BatchWork& work,

@@ -36,7 +36,7 @@ void interpolate_cell_of(const CellAnchors& cell, const LatticeReach& reach, con
         const auto b = hn::LoadU(d, at_b + k), c = hn::LoadU(d, at_c + k);
         const auto gx1 = hn::Sub(one, fx), fy1 = hn::Sub(one, fy);
         const V between[4] = {hn::Mul(gx1, fy1), hn::Mul(fx, fy1), hn::Mul(gx1, fy), hn::Mul(fx, fy)};
-        V w[4], red[4], green[4], blue[4];
+        V w[4], red[4], green[4], blue[4], form_factor[4];
         for (int i = 0; i < 4; ++i) {
             const auto off = hn::Mul(hn::Add(hn::Add(hn::Mul(hn::Sub(hn::Set(d, cell.x[i]), x), gx),
                                                      hn::Mul(hn::Sub(hn::Set(d, cell.y[i]), y), gy)),
@@ -64,19 +64,21 @@ void interpolate_cell_of(const CellAnchors& cell, const LatticeReach& reach, con
                                           hn::And(low(c, cell.low_c[i], 2, db), high(c, cell.high_c[i], 3, db)));
                 weight = hn::IfThenElseZero(open, weight);
             }
-            const auto colour = [&](int from) HWY_ATTR {
-                const auto light = hn::Add(hn::Add(hn::Mul(hn::Set(d, cell.light[from][i]), nx),
-                                                   hn::Mul(hn::Set(d, cell.light[from + 1][i]), ny)),
-                                           hn::Mul(hn::Set(d, cell.light[from + 2][i]), nz));
-                return hn::Mul(weight, hn::Max(light, zero));
+            const auto of = [&](const float(*vector)[4]) HWY_ATTR {
+                const auto value =
+                    hn::Add(hn::Add(hn::Mul(hn::Set(d, vector[0][i]), nx), hn::Mul(hn::Set(d, vector[1][i]), ny)),
+                            hn::Mul(hn::Set(d, vector[2][i]), nz));
+                return hn::Mul(weight, hn::Max(value, zero));
             };
-            w[i] = weight, red[i] = colour(0), green[i] = colour(3), blue[i] = colour(6);
+            w[i] = weight, red[i] = of(cell.light), green[i] = of(cell.light + 3), blue[i] = of(cell.light + 6);
+            form_factor[i] = of(cell.facing);
         }
         const auto sum = [](const V(&v)[4]) HWY_ATTR { return hn::Add(hn::Add(v[0], v[1]), hn::Add(v[2], v[3])); };
         const auto weight = sum(w);
         const auto any = hn::Gt(weight, zero);
         const auto safe = hn::IfThenElse(any, weight, one);
         hn::StoreU(weight, d, out.weight.data() + k);
+        hn::StoreU(hn::IfThenElseZero(any, hn::Div(sum(form_factor), safe)), d, out.form_factor.data() + k);
         hn::StoreU(hn::IfThenElseZero(any, hn::Div(sum(red), safe)), d, out.r.data() + k);
         hn::StoreU(hn::IfThenElseZero(any, hn::Div(sum(green), safe)), d, out.g.data() + k);
         hn::StoreU(hn::IfThenElseZero(any, hn::Div(sum(blue), safe)), d, out.b.data() + k);
@@ -99,7 +101,7 @@ void LatticePoints::resize(std::size_t count)
 
 void LatticeLight::resize(std::size_t count)
 {
-    for (auto* lane : {&r, &g, &b, &weight})
+    for (auto* lane : {&r, &g, &b, &form_factor, &weight})
         if (lane->size() < count + LatticePoints::k_pad) lane->resize(count + LatticePoints::k_pad);
 }
 

@@ -15,8 +15,9 @@ struct CellAnchors {
     // Free ranges around the point along the lattice's other two axes, and how much shorter they get per unit along the
     // other axis if the wall that ends them stands at an angle: low b, high b, low c, high c.
     float low_b[4], high_b[4], low_c[4], high_c[4];
-    float slope[4][4];   // by range and point
-    float light[9][4];   // by colour and axis
+    float slope[4][4];    // by range and point
+    float light[9][4];    // by colour and axis
+    float facing[3][4];   // by axis
     int axis;
 };
 
@@ -30,10 +31,10 @@ struct LatticePoints {
     static constexpr std::size_t k_pad = 16;
 };
 
-/// Interpolated irradiance by colour, and the part of the bilinear weight (1 in total) of the cache points that
-/// contribute. The irradiance is 0 where the weight is 0.
+/// Interpolated irradiance by colour, form factor, and the part of the bilinear weight (1 in total) of the cache points
+/// that contribute. Irradiance and form factor are 0 where the weight is 0.
 struct LatticeLight {
-    std::vector<float> r, g, b, weight;
+    std::vector<float> r, g, b, form_factor, weight;
     void resize(std::size_t count);
 };
 

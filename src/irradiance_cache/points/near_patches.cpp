@@ -113,7 +113,7 @@ void NearPatches::trace(const CacheFrame& frame)
 }
 
 CloseLight NearPatches::find(const CacheFrame& frame, const CachePoint& point, std::size_t number,
-                             std::vector<SeenNode>& seen, glm::vec3 (&rest)[3], float reach)
+                             std::vector<SeenNode>& seen, RestOfLight& rest, float reach)
 {
     const LightTree& tree = frame.lights;
     const patches::SurfacePatches& patches = tree.patch_light()->patches();
@@ -135,7 +135,7 @@ CloseLight NearPatches::find(const CacheFrame& frame, const CachePoint& point, s
         if (rays_.distance(r) < reach) met->close += share;
         met->direction += direction * (share / std::max(glm::dot(direction, point.normal), k_least_cosine));
     }
-    std::fill(rest, rest + 3, glm::vec3(0));
+    rest = {};
     CloseLight close;
     for (const Met& met : met_) {
         const NodeId node = tree.node_of(met.patch);
@@ -150,7 +150,8 @@ CloseLight NearPatches::find(const CacheFrame& frame, const CachePoint& point, s
             seen.push_back(pack_seen(node, met.share * inverse_area / cosine));
             continue;
         }
-        for (int colour = 0; colour < 3; ++colour) rest[colour] += (flux[colour] * inverse_area) * met.direction;
+        rest.facing += met.direction;
+        for (int colour = 0; colour < 3; ++colour) rest.light[colour] += (flux[colour] * inverse_area) * met.direction;
     }
     return close;
 }

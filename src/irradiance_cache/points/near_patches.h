@@ -32,6 +32,12 @@ struct CloseLight {
     }
 };
 
+/// Light that no node stands for; see CachePoint.
+struct RestOfLight {
+    glm::vec3 light[3] = {};   // by colour
+    glm::vec3 facing{0};
+};
+
 /// Holds a thread's scratch memory.
 class NearPatches {
  public:
@@ -53,11 +59,11 @@ class NearPatches {
     /// Finds the light of a point's near patches.
     /// @param number  that divide() returned
     /// @param seen   appended to: nodes with their weights
-    /// @param rest   out: the static light that no node stands for, by colour, as in CachePoint
+    /// @param rest   out: the static light that no node stands for, and what gives it
     /// @param reach  scene units
     /// @return  how much of the light comes from less far than `reach`
     CloseLight find(const CacheFrame& frame, const CachePoint& point, std::size_t number, std::vector<SeenNode>& seen,
-                    glm::vec3 (&rest)[3], float reach);
+                    RestOfLight& rest, float reach);
 
  private:
     void add_missed(const LightTree& tree, const glm::vec3& origin, std::span<const NodeId> cut, float& near,

@@ -116,6 +116,19 @@ void StaticVisibility::add_close_nodes(const CacheFrame& frame, Added& added) co
     }
 }
 
+// The form factor of the patches that a point sees, as in CachePoint.
+glm::vec3 StaticVisibility::facing_of_seen(const CacheFrame& frame, const CachePoint& point) const
+{
+    glm::vec3 facing(0);
+    for (const SeenNode seen : seen_) {
+        const NodeId node = seen_node(seen);
+        if (node < frame.lights.first_patch()) continue;
+        const glm::vec3 to = frame.lights.samples().at(node) - point.origin();
+        facing += to * (seen_weight(seen) * frame.lights.quad(node / 4).area[node % 4] / glm::length(to));
+    }
+    return facing;
+}
+
 // Finds lattice points whose light is local: much of it comes from patches that are close by, small and far brighter
 // than all that is farther, such as the sliver of ceiling above a luminous plate that is seen past the plate's edge. A
 // spacing away there is nothing of it. At the foot of a wall that is lit like its surroundings, close light is as much,

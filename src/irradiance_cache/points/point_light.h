@@ -53,6 +53,7 @@ class StaticVisibility {
         CloseLight close{};   // lattice points
     };
     void add_close_nodes(const CacheFrame& frame, Added& added) const;
+    glm::vec3 facing_of_seen(const CacheFrame& frame, const CachePoint& point) const;
     void find_local();
     void add_node(const CacheFrame& frame, const CachePoint& point, NodeId node, float weight, float radius);
     static constexpr float k_close = 1.0f;   // spacings
@@ -116,7 +117,7 @@ void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTeste
     for (const Added& added : added_) points_.push_back(added.point);
     near_field_.find_static(frame, points_, counters);   // before any point is complete
     counters.rays += near_.rays();
-    glm::vec3 rest[3] = {};
+    RestOfLight rest;
     const bool patches = frame.lights.patch_light() != nullptr;   // without them, no light is local
     for (std::size_t a = 0; a < added_.size(); ++a) {
         const std::size_t last = a + 1 < added_.size() ? added_[a + 1].first : rays_.size();
@@ -129,7 +130,9 @@ void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTeste
         const float reach = lattice ? k_close * lattice_spacing(point.key) : 0;
         if (near) added_[a].close += near_.find(frame, point, added_[a].near, seen_, rest, reach);
         store(point, std::span<const SeenNode>(seen_));
-        for (int colour = 0; near && colour < 3; ++colour) point.static_light[colour] += rest[colour];
+        for (int colour = 0; near && colour < 3; ++colour) point.static_light[colour] += rest.light[colour];
+        point.facing = patches ? facing_of_seen(frame, point) : glm::vec3(0);
+        if (near) point.facing += rest.facing;
         counters.nodes += seen_.size();
     }
     counters.new_points += added_.size();
