@@ -59,7 +59,7 @@ class CachedIndirect::Work final : public Worker {
         // The surfaces that light a point fill no more than what hides the environment from it. Interpolated between
         // cache points, their form factor is more in places, and so is their light.
         for (std::size_t k = 0; k < asked_.size(); ++k)
-            if (const float hidden = batch.points[result.point[k]].hidden; form_factors_[k] > hidden)
+            if (const float hidden = batch.points[result.point[k]].hidden; hidden < 1 && form_factors_[k] > hidden)
                 result.irradiance[k] *= hidden / form_factors_[k];
     }
     std::unique_ptr<irradiance_cache::IrradianceCache::Batch> take_batch() { return std::move(batch_); }

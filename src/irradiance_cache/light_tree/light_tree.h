@@ -116,6 +116,9 @@ class LightTree {
     const Flux& patch_difference() const { return patch_difference_; }
     /// Null: there are no patches.
     const PatchLight* patch_light() const { return patches_.get(); }
+    /// By node over patches, from first_patch() on: the area from which its static flux comes. Where all below are
+    /// equally bright, that is their area; else less.
+    std::span<const float> lit_areas() const { return lit_areas_; }
     /// The leaf that is a patch.
     NodeId node_of(patches::PatchId patch) const { return patch_first_ + patches_->node(patch); }
     bool any_patch_differs() const { return patches_ && patches_->differs(); }
@@ -233,6 +236,7 @@ class LightTree {
     scene::SizedLights sized_;              // that light the patches
     std::unique_ptr<PatchLight> patches_;   // null: they would have no light
     NodeId patch_first_ = 0;                // all nodes, without patches
+    std::vector<float> lit_areas_;
     Flux patch_difference_;
     bool patches_changed_ = false;   // in this frame
     std::vector<VirtualLightQuad> quads_;

@@ -124,7 +124,8 @@ glm::vec3 StaticVisibility::facing_of_seen(const CacheFrame& frame, const CacheP
         const NodeId node = seen_node(seen);
         if (node < frame.lights.first_patch()) continue;
         const glm::vec3 to = frame.lights.samples().at(node) - point.origin();
-        facing += to * (seen_weight(seen) * frame.lights.quad(node / 4).area[node % 4] / glm::length(to));
+        const float area = frame.lights.lit_areas()[node - frame.lights.first_patch()];
+        facing += to * (seen_weight(seen) * area / glm::length(to));
     }
     return facing;
 }
