@@ -10,6 +10,7 @@
     length      no source above 600 lines that does not say why (a line with LONG: among its first 30)
     functions   no C++ or GLSL function above 100 lines that does not say why (LONG: among its first 5, or right above)
     references  every file of the repository that a document or a comment names exists
+    subranges   no algorithm that returns a subrange, which clang 14 cannot compile with libstdc++ 12: the sanitizers' builds
     newline     no trailing blanks, no tabs, no carriage returns, one newline at the end
 
 Prints one line a fault, `file:line: what`; exit code 1 if there is any.
@@ -38,6 +39,7 @@ k_comment = re.compile(r"(?://|#|/\*)(?!include\b|\s*include\b)(.*)")
 # Named, but not of the repository: what the build makes, other people's headers, examples of names.
 k_elsewhere = re.compile(r"^(?:build|shared|installed|gl|GL|vulkan|glm|nlohmann|X11|sys|OpenEXR|embree3?|hwy|imgui|tbb)/"
                          r"|/(?:NAME|FILE|FOLDER|ROOM)|^(?:NAME|DIR|OUT|WHERE|ROOM|PATH|HERE|A|B)/|\.inc$")
+k_subrange = re.compile(r"ranges::(unique|remove|remove_if|equal_range|partition|stable_partition|rotate|search|find_end)\(")
 k_spdx = "SPDX-License-Identifier: Apache-2.0"
 
 
@@ -117,6 +119,13 @@ def check_references(path, lines, root):
                 yield number, f"'{match[1]}': no such file"
 
 
+def check_subranges(path, lines):
+    if path.suffix in {".h", ".cpp", ".inl"}:
+        for number, line in enumerate(lines, 1):
+            if found := k_subrange.search(line):
+                yield number, f"std::ranges::{found[1]} returns a subrange: use std::{found[1]} or bounds"
+
+
 def check_newline(path, lines):
     if not is_source(path):
         return
@@ -129,7 +138,7 @@ def check_newline(path, lines):
 
 k_checks = {"paths": check_paths, "spdx": check_spdx, "ascii": check_ascii, "length": check_length,
             "functions": check_functions, "references": check_references,
-            "newline": check_newline}
+            "subranges": check_subranges, "newline": check_newline}
 
 
 def main() -> int:

@@ -13,6 +13,7 @@
 #include "gnomon/error.h"
 #include "gnomon/ranges.h"
 #include "image/tone_map.h"
+#include "scene/near_origin.h"
 #include "scene/view.h"
 
 namespace gnomon {
@@ -152,13 +153,13 @@ void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const Ren
     if (!lights.empty()) add("shadow", std::move(lights), buffers.shadow);
 }
 
-void describe(const scene::View& view, const RenderOptions& options, Frame& result)
+void describe(const scene::View& view, const glm::dvec3& origin, const RenderOptions& options, Frame& result)
 {
-    const glm::dmat4 to_camera = glm::inverse(scene::matrix_of(view));
+    const glm::dmat4 to_camera = glm::inverse(scene::translated(scene::matrix_of(view), origin));
     // The offset from the eye gives the coordinates; a perspective divides them by the distance along the axis.
     const glm::dvec3 right = glm::dvec3(view.right) / glm::dot(glm::dvec3(view.right), glm::dvec3(view.right)),
                      up = glm::dvec3(view.up) / glm::dot(glm::dvec3(view.up), glm::dvec3(view.up)), ahead(view.forward),
-                     eye(view.eye);
+                     eye = glm::dvec3(view.eye) + origin;
     const glm::dvec2 shift(view.shift);
     const double near = view.near > 0 ? static_cast<double>(view.near) : 1;
     const glm::dvec3 per_distance = view.orthographic ? glm::dvec3(0) : ahead;

@@ -36,7 +36,8 @@ frame::OverlayKind overlay_kind(const scene::Scene& scene, const RenderOptions& 
                                 const std::vector<int>& lights);
 
 /// Notes where a frame is seen from, and what its results depend on.
-void describe(const scene::View& view, const RenderOptions& options, Frame& result);
+/// @param origin  SceneStamps::origin
+void describe(const scene::View& view, const glm::dvec3& origin, const RenderOptions& options, Frame& result);
 
 /// The instruction set that results depend on: "auto", since portable arithmetic gives the same bytes under every one,
 /// or "native-NAME".

@@ -9,6 +9,7 @@
 
 #include "api/convert.h"
 #include "gnomon/error.h"
+#include "scene/near_origin.h"
 
 namespace gnomon::api {
 
@@ -54,8 +55,9 @@ class Checker {
     {
         const scene::NodeId node = require(stamps_.nodes, t.node, "the node of a transform");
         const std::string owner = titled("node", scene_.nodes[node].name, node);
-        if (t.closing) closings[node].transform = matrix_of(*t.closing, owner);
-        return {node, matrix_of(t.transform, owner)};
+        const glm::dvec3 offset = scene_.nodes[node].parent == scene::none ? -stamps_.origin : glm::dvec3(0);
+        if (t.closing) closings[node].transform = scene::translated(matrix_of(*t.closing, owner), offset);
+        return {node, scene::translated(matrix_of(t.transform, owner), offset)};
     }
     std::pair<scene::NodeId, std::shared_ptr<const scene::DeformedMesh>> vertices(const InstanceVertices& v)
     {
@@ -67,6 +69,10 @@ class Checker {
         if (!v.normals.empty()) shape->normals = copied(v.normals, expected, owner, "normals");
         if (!v.closing_positions.empty())
             closings[node].positions = copied(v.closing_positions, expected, owner, "closing positions");
+        // Those of a skinned instance are in world space.
+        if (scene_.nodes[node].skin != scene::none && stamps_.origin != glm::dvec3(0))
+            for (auto* positions : {&shape->positions, &closings[node].positions})
+                for (glm::vec3& p : *positions) p -= glm::vec3(stamps_.origin);
         return {node, std::move(shape)};
     }
     std::pair<scene::NodeId, std::vector<float>> weights(const MorphWeights& w)

@@ -14,6 +14,7 @@
 #include "scene/defaults/default_view.h"
 #include "scene/defaults/emissive_lights.h"
 #include "scene/defaults/surroundings.h"
+#include "scene/near_origin.h"
 
 namespace gnomon {
 
@@ -43,6 +44,7 @@ Scene load(const std::string& what, const LoadOptions& options)
     if (std::ranges::all_of(loaded.objects,
                             [&](const scene::Object& object) { return loaded.meshes[object.mesh].triangles.empty(); }))
         loaded.warnings.emplace_back("no surface in the scene: its images show the background alone");
+    const glm::dvec3 origin = is_builtin ? glm::dvec3(0) : scene::bring_near(loaded);
     scene::add_emitter_lights(loaded);
     // Built-in scenes and AFF files are complete: what they leave dark is meant so.
     if (is_builtin || loaded.timeline.own_frames) {
@@ -57,7 +59,9 @@ Scene load(const std::string& what, const LoadOptions& options)
         scene::add_surroundings(loaded, surroundings);
     }
     interruption_point();
-    return api::public_scene(std::make_shared<const scene::Scene>(std::move(loaded)));
+    api::SceneStamps stamps(loaded);
+    stamps.origin = origin;
+    return api::SceneAccess::make(std::make_shared<const scene::Scene>(std::move(loaded)), std::move(stamps));
 }
 
 }   // namespace gnomon

@@ -18,6 +18,7 @@
 #include "base/stopwatch.h"
 #include "frame/frame_engine.h"
 #include "frame/state_overlay.h"
+#include "scene/near_origin.h"
 #include "scene/pose_between.h"
 #include "scene/view.h"
 
@@ -193,14 +194,18 @@ Transform Renderer::transform(const NodeId& id) const
 {
     const Impl& in = idle();
     const scene::SceneState& state = in.last_state();
-    return api::transform_of(state.local(api::require(in.last_scene().stamps.nodes, id, "the node")));
+    const scene::NodeId node = api::require(in.last_scene().stamps.nodes, id, "the node");
+    const bool is_root = state.scene().nodes[node].parent == scene::none;
+    return api::transform_of(
+        scene::translated(state.local(node), is_root ? in.last_scene().stamps.origin : glm::dvec3(0)));
 }
 
 Transform Renderer::world_transform(const NodeId& id) const
 {
     const Impl& in = idle();
     const scene::SceneState& state = in.last_state();
-    return api::transform_of(state.world(api::require(in.last_scene().stamps.nodes, id, "the node")));
+    const scene::NodeId node = api::require(in.last_scene().stamps.nodes, id, "the node");
+    return api::transform_of(scene::translated(state.world(node), in.last_scene().stamps.origin));
 }
 
 bool Renderer::visible(const NodeId& id) const
@@ -218,9 +223,10 @@ Camera Renderer::camera() const
 
 Box Renderer::bounds() const
 {
-    idle().last_state();
+    const glm::dvec3 origin = idle().last_scene().stamps.origin;
     const Box3 box = idle().engine.bounds();
-    return box.empty() ? Box{} : Box{api::vec(box.low), api::vec(box.high)};
+    const auto placed = [&](const glm::vec3& corner) { return api::vec(glm::vec3(glm::dvec3(corner) + origin)); };
+    return box.empty() ? Box{} : Box{placed(box.low), placed(box.high)};
 }
 
 Pick Renderer::pick(int x, int y)
@@ -238,7 +244,7 @@ Pick Renderer::pick(int x, int y)
     pick.instance = InstanceId(stamps.nodes.id<NodeId>(engine.state()->scene().objects[point.object].node));
     pick.material = stamps.materials.id<MaterialId>(point.material);
     pick.triangle = point.triangle;
-    pick.position = {point.position.x, point.position.y, point.position.z};
+    pick.position = api::vec(glm::vec3(glm::dvec3(point.position) + stamps.origin));
     pick.normal = {point.normal.x, point.normal.y, point.normal.z};
     pick.depth = point.depth;
     return pick;
@@ -299,17 +305,19 @@ Renderer::Impl::Wanted Renderer::Impl::check(const Scene& scene, const FrameInpu
     if (input.time && !std::isfinite(*input.time)) throw UsageError("the time is not finite");
     if (!std::isfinite(input.turn)) throw UsageError("the turn is not finite");
     const scene::Scene& inside = *api::scene_of(scene);
+    const glm::dvec3& origin = api::SceneAccess::impl(scene).stamps.origin;
     Wanted wanted;
     wanted.time = input.time ? *input.time : scene.time_of(input.frame);
     if (input.camera_closing) {
         wanted.camera_closing = api::to_scene(*input.camera_closing);
-        wanted.closing_to_world = api::matrix_of(input.camera_closing->transform, "the camera");
+        wanted.closing_to_world =
+            scene::translated(api::matrix_of(input.camera_closing->transform, "the camera"), -origin);
         if (!input.camera) throw UsageError("a closing camera needs one of the shutter's opening");
     }
     Size of_camera;
     if (input.camera) {
         wanted.camera = api::to_scene(*input.camera);
-        wanted.camera_to_world = api::matrix_of(input.camera->transform, "the camera");
+        wanted.camera_to_world = scene::translated(api::matrix_of(input.camera->transform, "the camera"), -origin);
         of_camera = input.camera->resolution;
     } else {
         wanted.scene_camera = scene::find_camera(inside, options.camera);
@@ -355,7 +363,7 @@ scene::View Renderer::Impl::make_view(const Wanted& wanted, const FrameInput& in
     placed = {described, wanted.turn ? scene::matrix_of(view)
                                      : scene::placed(described, engine.state()->world(described.node), wanted.size)};
     placed.camera.fit.reset();   // it stands where this image needs it
-    camera = api::from_scene(described, placed.to_world);
+    camera = api::from_scene(described, scene::translated(placed.to_world, last_scene().stamps.origin));
     return view;
 }
 
@@ -433,7 +441,7 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
     result.complete = engine.complete();
     result.view_size = view.size;
     result.fps = scene.fps();
-    api::describe(view, options, result);
+    api::describe(view, last_scene().stamps.origin, options, result);
 
     watch.restart();
     if (shown == frame::Shown::shadow_states || shown == frame::Shown::clusters) {

@@ -12,6 +12,7 @@
 #include "io/image/float_image.h"
 #include "scene/builtin/studio.h"
 #include "scene/environment.h"
+#include "scene/near_origin.h"
 #include "scene/scene.h"
 
 namespace gnomon {
@@ -123,8 +124,8 @@ SceneInfo Scene::info() const
     info.start = scene.timeline.start, info.end = scene.timeline.end;
     const Box3 box = scene.bounds(scene.timeline.start);
     for (int axis = 0; axis < 3 && !box.empty(); ++axis) {
-        info.bounds_low[axis] = box.low[axis];
-        info.bounds_high[axis] = box.high[axis];
+        info.bounds_low[axis] = static_cast<float>(box.low[axis] + impl_->stamps.origin[axis]);
+        info.bounds_high[axis] = static_cast<float>(box.high[axis] + impl_->stamps.origin[axis]);
     }
     if (!scene.cameras.empty()) info.resolution = scene.cameras.front().resolution;
     for (const scene::Clip& clip : scene.clips)
@@ -192,7 +193,8 @@ Scene Scene::with_light_specs(const std::vector<std::string>& specs) const
         glm::dvec3 position, direction;
         scene::Light light = light_of(spec, position, direction);
         light.name = fmt::format("light {}", changed->lights.size());
-        light.node = api::add_root(*changed.scene, light.name, api::looking_matrix(position, direction));
+        light.node =
+            api::add_root(*changed.scene, light.name, api::looking_matrix(position - changed.stamps.origin, direction));
         changed->lights.push_back(std::move(light));
     }
     changed->lights.insert(changed->lights.end(), kept.begin(), kept.end());

@@ -17,6 +17,7 @@
 #include "gnomon/ranges.h"
 #include "io/image/image_file.h"
 #include "scene/defaults/emissive_lights.h"
+#include "scene/near_origin.h"
 
 namespace gnomon {
 
@@ -252,10 +253,10 @@ void SceneBuilder::environment(const EnvironmentImage& image, int lights)
         std::copy(image.pixels.begin(), image.pixels.end(), pixels.data.begin());
         auto environment = std::make_shared<const scene::Environment>(std::move(pixels));
         in.remove_lights(&scene::Light::of_environment);
-        api::set_environment(in.scene, in.stamps, std::move(environment), lights,
-                             [&](const std::string& name, const glm::dmat4& local) {
-                                 return in.add_node(api::transform_of(local), {.name = name}, name);
-                             });
+        api::set_environment(
+            in.scene, in.stamps, std::move(environment), lights, [&](const std::string& name, const glm::dmat4& local) {
+                return in.add_node(api::transform_of(scene::translated(local, in.stamps.origin)), {.name = name}, name);
+            });
     });
 }
 

@@ -8,6 +8,7 @@
 #include "api/convert.h"
 #include "api/scene_builder_impl.h"
 #include "gnomon/error.h"
+#include "scene/near_origin.h"
 
 namespace gnomon {
 
@@ -15,10 +16,11 @@ namespace gnomon {
 scene::NodeId SceneBuilder::Impl::add_node(const Transform& transform, const NodeOptions& options,
                                            std::string_view what)
 {
-    const glm::dmat4 local = api::matrix_of(transform, what);
+    glm::dmat4 local = api::matrix_of(transform, what);
     api::require_known(options.mobility, Mobility::may_deform, what, "the mobility");
     const scene::NodeId parent =
         options.parent ? api::require(stamps.nodes, options.parent, fmt::format("{}: the parent", what)) : scene::none;
+    if (parent == scene::none) local = scene::translated(local, -stamps.origin);
     const auto free = parent == scene::none ? free_nodes.begin() : free_nodes.upper_bound(parent);
     scene::NodeId node = scene::none;
     if (free != free_nodes.end()) {
@@ -151,7 +153,9 @@ void SceneBuilder::Impl::attach(scene::NodeId id, const Attachment& attachment, 
     scene::Node& node = scene.nodes[id];
     node.skin = attachment.skin;
     node.morph_weights = options.morph_weights;
-    if (!options.reach.empty()) node.reach = {api::vec(options.reach.low), api::vec(options.reach.high)};
+    const glm::vec3 origin(stamps.origin);
+    if (!options.reach.empty())
+        node.reach = {api::vec(options.reach.low) - origin, api::vec(options.reach.high) - origin};
 }
 
 void SceneBuilder::Impl::declare(scene::NodeId node, Mobility mobility)
@@ -290,16 +294,21 @@ void SceneBuilder::set_camera(const CameraId& id, const Camera& camera)
     scene::Camera made = api::to_scene(camera);
     const glm::dmat4 local = api::matrix_of(camera.transform, "the camera");
     made.node = in.scene.cameras[index].node;
-    in.scene.nodes[made.node].local = local;
-    in.scene.nodes[made.node].transform.reset();
+    in.place(made.node, local);
     in.scene.cameras[index] = std::move(made);
 }
 
 void SceneBuilder::set_transform(const NodeId& id, const Transform& transform)
 {
     Impl& in = impl();
-    scene::Node& node = in.scene.nodes[api::require(in.stamps.nodes, id, "the node")];
-    node.local = api::matrix_of(transform, "the node");
+    const scene::NodeId node = api::require(in.stamps.nodes, id, "the node");
+    in.place(node, api::matrix_of(transform, "the node"));
+}
+
+void SceneBuilder::Impl::place(scene::NodeId id, const glm::dmat4& local)
+{
+    scene::Node& node = scene.nodes[id];
+    node.local = node.parent == scene::none ? scene::translated(local, -stamps.origin) : local;
     node.transform.reset();
 }
 

@@ -59,6 +59,8 @@ struct SceneBuilder::Impl {
                                 const std::string& owner) const;
     void attach(scene::NodeId node, const Attachment& attachment, const InstanceOptions& options);
     void declare(scene::NodeId node, Mobility mobility);
+    /// Gives a node a transform to its parent's space, in the coordinates of the file, instead of its track.
+    void place(scene::NodeId node, const glm::dmat4& local);
     /// Makes a node an instance of a mesh, or of none; a variant that nobody uses any more is removed.
     void use_mesh(scene::NodeId node, scene::MeshId mesh);
     void free_mesh(scene::MeshId mesh);

@@ -3,6 +3,7 @@
 #include "api/convert.h"
 #include "api/scene_access.h"
 #include "gnomon/scene.h"
+#include "scene/near_origin.h"
 
 namespace gnomon {
 
@@ -29,6 +30,14 @@ Id find_by_name(const Parts& parts, const api::StampList& stamps, const std::str
 bool is_instance(const scene::Scene& scene, const scene::Node& node)
 {
     return node.mesh != scene::none && !scene.meshes[node.mesh].triangles.empty();
+}
+
+// A node's transform to its parent's space at the clip's start, in the coordinates of the file.
+glm::dmat4 local_of(const Scene::Impl& impl, const scene::Node& node)
+{
+    const scene::Scene& scene = *impl.scene;
+    const glm::dmat4 local = node.transform ? node.transform->evaluate(scene.timeline.start) : node.local;
+    return node.parent == scene::none ? scene::translated(local, impl.stamps.origin) : local;
 }
 
 InstanceId instance_at(const Scene::Impl& impl, std::size_t node)
@@ -149,7 +158,7 @@ Transform Scene::transform(const NodeId& id) const
 {
     const scene::Scene& scene = *impl_->scene;
     const scene::Node& node = scene.nodes[api::require(impl_->stamps.nodes, id, "the node")];
-    return api::transform_of(node.transform ? node.transform->evaluate(scene.timeline.start) : node.local);
+    return api::transform_of(local_of(*impl_, node));
 }
 
 MeshId Scene::mesh(const InstanceId& id) const
@@ -187,9 +196,7 @@ Material Scene::material(const MaterialId& id) const
 Camera Scene::camera(const CameraId& id) const
 {
     const scene::Camera& camera = impl_->scene->cameras[api::require(impl_->stamps.cameras, id, "the camera")];
-    const scene::Node& node = impl_->scene->nodes[camera.node];
-    return api::from_scene(camera,
-                           node.transform ? node.transform->evaluate(impl_->scene->timeline.start) : node.local);
+    return api::from_scene(camera, local_of(*impl_, impl_->scene->nodes[camera.node]));
 }
 
 InstanceId Scene::instance_of(std::uint32_t value) const

@@ -68,6 +68,9 @@ struct SceneStamps {
     /// The material of meshes that were given none; scene::none: there is none yet.
     scene::MaterialId grey = scene::none;
 
+    /// Where the origin of the scene's coordinates lies in those of its file and of the interface.
+    glm::dvec3 origin{0};   // scene::bring_near()
+
     SceneStamps() = default;
     explicit SceneStamps(const scene::Scene& scene);
 };

@@ -53,7 +53,7 @@ bool are_round(const std::vector<glm::vec3>& points, const Box3& box)
     std::vector<glm::vec3> sorted = points;
     const auto key = [](const glm::vec3& p) { return std::array{p.x, p.y, p.z}; };
     std::ranges::sort(sorted, {}, key);
-    const auto last = std::ranges::unique(sorted).begin();
+    const auto last = std::unique(sorted.begin(), sorted.end());
     if (static_cast<std::size_t>(last - sorted.begin()) < k_least_vertices) return false;
     const glm::vec3 centre = box.centre();
     return lie_on_sphere(points, centre) || lie_on_sphere(points, {centre.x, box.low.y, centre.z});

@@ -80,9 +80,11 @@ std::uint32_t TriangleRuns::middle(std::uint32_t triangle, int level) const
     if (place == scene::none) return triangle;
     const int shift = 3 * level;
     const auto cube = [&](std::uint32_t code) { return code >> shift; };
-    const auto run = std::ranges::equal_range(codes_, cube(codes_[place]), {}, cube);
-    if (run.size() < k_least_run) return triangle;
-    return triangles_[static_cast<std::size_t>(run.begin() - codes_.begin()) + run.size() / 2];
+    const auto first = std::ranges::lower_bound(codes_, cube(codes_[place]), {}, cube),
+               last = std::ranges::upper_bound(codes_, cube(codes_[place]), {}, cube);
+    const auto run = static_cast<std::size_t>(last - first);
+    if (run < k_least_run) return triangle;
+    return triangles_[static_cast<std::size_t>(first - codes_.begin()) + run / 2];
 }
 
 std::size_t TriangleRuns::bytes() const

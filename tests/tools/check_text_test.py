@@ -40,6 +40,7 @@ class CheckText(unittest.TestCase):
             ("references", k_first + "// As in src" + "/elsewhere/gone.cpp.\n", 2),
             ("references", k_first + "int a;   // elsewhere/" + "gone.glsl has it\n", 2),
             ("references", k_first + "// See tests/" + "gone.\n", 2),
+            ("subranges", k_first + "auto last = std::ranges::" + "unique(list);\n", 2),
             ("newline", k_first + "int a; \n", 2),
             ("newline", k_first + "\tint a;\n", 2),
             ("newline", k_first + "int a;\r\n", 2),
