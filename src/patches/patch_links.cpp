@@ -82,7 +82,8 @@ class Caster {
         const std::size_t first_ray = PatchLinks::k_rays * first;
         if (!links.passes.empty()) rays_.find_passing(scene_rays_, links.passes.data() + first_ray);
         std::size_t r = 0;
-        for (PatchId p = first; p < last; ++p)
+        for (PatchId p = first; p < last; ++p) {
+            std::size_t meet = 0, known = 0;   // surfaces, and patches
             for (std::size_t k = 0; k < PatchLinks::k_rays; ++k, ++r) {
                 if (rays_.leaves(r)) {
                     links.leaves[PatchLinks::k_rays * p + k] = 1;
@@ -93,8 +94,14 @@ class Caster {
                     continue;
                 }
                 const PatchId met = rays_.patch(patches_, scene_rays_, r);
-                if (met != k_no_patch) links.target[PatchLinks::k_rays * p + k] = static_cast<std::uint16_t>(met);
+                ++meet;
+                if (met == k_no_patch) continue;
+                ++known;
+                links.target[PatchLinks::k_rays * p + k] = static_cast<std::uint16_t>(met);
             }
+            constexpr auto k_all = static_cast<float>(PatchLinks::k_rays);
+            if (known > 0) links.weight[p] = static_cast<float>(meet) / (static_cast<float>(known) * k_all);
+        }
     }
 
  private:
@@ -113,6 +120,7 @@ PatchLinks link_patches(const SurfacePatches& patches, const scene::SceneState& 
     const std::size_t count = patches.patches().size();
     links.target.assign(PatchLinks::k_rays * count, PatchLinks::k_none);
     links.leaves.assign(PatchLinks::k_rays * count, 0);
+    links.weight.assign(count, 0.0f);
     links.surroundings.assign(count, glm::vec3(0));
     if (rays.thins_light()) links.passes.assign(PatchLinks::k_rays * count, glm::vec3(1));
     tasks.for_each((count + k_patches_at_once - 1) / k_patches_at_once, [&](std::size_t run, int) {
@@ -174,7 +182,7 @@ std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchL
             const std::uint16_t target = links.target[of[k]];
             glm::vec3 light(0);
             if (target != PatchLinks::k_none) {
-                if (!exitance.empty()) light = exitance[target] / static_cast<float>(PatchLinks::k_rays);
+                if (!exitance.empty()) light = links.weight[of[k] / PatchLinks::k_rays] * exitance[target];
             } else if (surroundings.any() && links.leaves[of[k]]) {
                 light = k_ray_weight * surroundings.radiance(cast.direction(k));
             }
@@ -188,7 +196,6 @@ std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchL
 void gather_links(const PatchLinks& links, std::span<const glm::vec3> exitance, std::span<glm::vec3> irradiance,
                   Tasks& tasks)
 {
-    constexpr float k_weight = 1 / static_cast<float>(PatchLinks::k_rays);
     const std::size_t count = exitance.size();
     tasks.for_each((count + k_patches_to_gather - 1) / k_patches_to_gather, [&](std::size_t run, int) {
         const std::size_t last = std::min((run + 1) * k_patches_to_gather, count);
@@ -199,7 +206,7 @@ void gather_links(const PatchLinks& links, std::span<const glm::vec3> exitance, 
             for (std::size_t k = 0; k < PatchLinks::k_rays; ++k)
                 if (target[k] != PatchLinks::k_none)
                     sum += passes ? passes[k] * exitance[target[k]] : exitance[target[k]];
-            irradiance[p] = k_weight * sum;
+            irradiance[p] = links.weight[p] * sum;
         }
     });
 }

@@ -4,11 +4,12 @@
 //
 // Each patch casts 32 rays from its places, with a cosine distribution about their normals, against the static scene.
 // A ray that meets a patch is a link to it; the irradiance that a patch gets from the others is the mean of their
-// radiant exitances over the rays. A ray that leaves the scene brings the radiance of the surroundings. Surfaces that
-// do not block light are passed; those that thin it (scene::thins_light()) take their part away. The directions of
-// neighbours are turned against each other.
+// radiant exitances over the rays. Where a ray meets a surface that has no patch, such as what other geometry cuts off
+// from all places of its cell, it counts as the mean of the other rays that meet surfaces. A ray that leaves the scene
+// brings the radiance of the surroundings. Surfaces that do not block light are passed; those that thin it
+// (scene::thins_light()) take their part away. The directions of neighbours are turned against each other.
 //
-// Cost: 32 rays a patch, once for a static scene. Memory: 96 bytes a patch; 480 where anything thins light.
+// Cost: 32 rays a patch, once for a static scene. Memory: 112 bytes a patch; 496 where anything thins light.
 
 #include "patches/surface_patches.h"
 #include "patches/surroundings.h"
@@ -21,10 +22,11 @@ struct PatchLinks {
     std::vector<std::uint16_t> target;     // k_rays for each patch: the patch that a ray meets, or none
     std::vector<std::uint8_t> leaves;      // by ray: whether it leaves the static scene
     std::vector<glm::vec3> passes;         // by ray: the part of light that passes what thins it; empty: all of it
+    std::vector<float> weight;             // by patch: of each ray that meets a patch
     std::vector<glm::vec3> surroundings;   // by patch: irradiance from beyond the static scene
     std::size_t bytes() const
     {
-        return target.size() * (sizeof(std::uint16_t) + sizeof(std::uint8_t)) +
+        return target.size() * (sizeof(std::uint16_t) + sizeof(std::uint8_t)) + weight.size() * sizeof(float) +
                (passes.size() + surroundings.size()) * sizeof(glm::vec3);
     }
 };

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// LONG: parts, their sides and what is found of them are known here alone.
 #include "patches/surface_patches.h"
 
 #include <algorithm>
@@ -79,44 +80,67 @@ SurfacePatches::SurfacePatches(const scene::SceneState& state, const ray::RaySce
     if (!(area > 0) || !std::isfinite(area)) return;
     std::vector<Part> parts;
     std::vector<Side> sides;
-    for (double cells = static_cast<double>(options.patches);; cells *= k_fewer) {
+    std::vector<std::size_t> cells;   // of which the first side lies here
+    std::vector<Made> made;
+    for (double wanted = static_cast<double>(options.patches);; wanted *= k_fewer) {
         // Divide evenly first, to find where there is detail; then by that.
-        const auto even = static_cast<float>(std::sqrt(area / cells));
+        const auto even = static_cast<float>(std::sqrt(area / wanted));
         divide(
             rays, [&](std::uint32_t) { return even; }, tasks, parts);
         std::vector<DetailSample> samples;
         for (const Part& part : parts)
             samples.push_back({part.middle, part.area, static_cast<std::int8_t>(facing_of(part.normal))});
-        const DetailCells cubes(samples, static_cast<std::size_t>(cells));
+        const DetailCells cubes(samples, static_cast<std::size_t>(wanted));
         std::vector<float> width(area_.size(), k_infinity);   // by unit: the least of its cubes
         for (const Part& part : parts) width[part.unit] = std::min(width[part.unit], cubes.cube_at(part.middle).width);
         divide(
             rays, [&](std::uint32_t unit) { return width[unit]; }, tasks, parts);
         sort_sides(cubes, tasks, parts, sides);
+        cells.clear();
+        for (std::size_t s = 0; s < sides.size(); ++s)
+            if (s == 0 || sides[s].cell != sides[s - 1].cell) cells.push_back(s);
+        if (cells.size() > options.most_cells) continue;
+        cells.push_back(sides.size());
+        made = make_cells(rays, parts, sides, cells, tasks);
         std::size_t count = 0;
-        for (std::size_t s = 0; s < sides.size(); ++s) count += s == 0 || sides[s].cell != sides[s - 1].cell;
+        for (const Made& run : made) count += run.patches.size();
         if (count <= options.most) break;
     }
     area_ = {};
-
-    // Make the patches of each cell.
     patch_.assign(2 * parts.size(), k_no_code);
-    std::vector<std::size_t> cells;   // of which the first side lies here
-    for (std::size_t s = 0; s < sides.size(); ++s)
-        if (s == 0 || sides[s].cell != sides[s - 1].cell) cells.push_back(s);
-    cells.push_back(sides.size());
-    const std::size_t count = cells.size() - 1, runs = (count + k_cells_at_once - 1) / k_cells_at_once;
-    std::vector<Made> made(runs);
-    tasks.for_each(runs, [&](std::size_t run, int) {
+    number_patches(sides, cells, made);
+    const std::size_t count = cells.size() - 1;
+    tasks.for_each(made.size(), [&](std::size_t run, int) {
         interruption_point();
+        const std::size_t first = cells[run * k_cells_at_once],
+                          last = cells[std::min((run + 1) * k_cells_at_once, count)];
+        mark_crossed(rays, parts, std::span<const Side>(sides).subspan(first, last - first));
+    });
+}
+
+// Makes the patches of all cells, k_cells_at_once together.
+// @param cells  where the sides of each begin, and where those of the last end
+std::vector<SurfacePatches::Made> SurfacePatches::make_cells(const ray::RayScene& rays, std::span<const Part> parts,
+                                                             std::span<const Side> sides,
+                                                             std::span<const std::size_t> cells, Tasks& tasks) const
+{
+    const std::size_t count = cells.size() - 1;
+    std::vector<Made> made((count + k_cells_at_once - 1) / k_cells_at_once);
+    tasks.for_each(made.size(), [&](std::size_t run, int) {
         const std::size_t first = run * k_cells_at_once, last = std::min(first + k_cells_at_once, count);
-        for (std::size_t c = first; c < last; ++c)
-            make_cell(rays, parts, std::span(sides).subspan(cells[c], cells[c + 1] - cells[c]), made[run]);
+        for (std::size_t c = first; c < last; ++c) {
+            interruption_point();
+            make_cell(rays, parts, sides.subspan(cells[c], cells[c + 1] - cells[c]), made[run]);
+        }
         made[run].rays = {}, made[run].occluded = {};
     });
+    return made;
+}
 
-    // Number them.
-    for (std::size_t run = 0; run < runs; ++run) {
+void SurfacePatches::number_patches(std::span<const Side> sides, std::span<const std::size_t> cells,
+                                    std::vector<Made>& made)
+{
+    for (std::size_t run = 0; run < made.size(); ++run) {
         const auto patch = static_cast<std::uint32_t>(patches_.size());
         const auto place = static_cast<std::uint32_t>(places_.size());
         const std::size_t first = cells[run * k_cells_at_once];
@@ -130,12 +154,6 @@ SurfacePatches::SurfacePatches(const scene::SceneState& state, const ray::RaySce
         made[run] = {};
     }
     GNOMON_CHECK(patches_.size() < k_crossed);
-    tasks.for_each(runs, [&](std::size_t run, int) {
-        interruption_point();
-        const std::size_t first = cells[run * k_cells_at_once],
-                          last = cells[std::min((run + 1) * k_cells_at_once, count)];
-        mark_crossed(rays, parts, std::span(sides).subspan(first, last - first));
-    });
 }
 
 // Numbers the units of static objects that block light, and measures them.
@@ -415,16 +433,55 @@ void SurfacePatches::find_openness(const ray::RayScene& rays, std::span<const Pa
     for (std::size_t r = 0; r < made.rays.size(); ++r) made.openness[r / k_directions] += made.occluded[r] ? 0 : 1;
 }
 
+// Splits groups by how open their places are.
+// @return  how many groups there are
+std::uint32_t SurfacePatches::split_by_openness(std::uint32_t groups, Made& made)
+{
+    constexpr std::uint32_t k_classes = 3;   // of 0 or 1, 2 or 3, 4 or 5 open directions
+    std::vector<std::uint32_t> number(k_classes * groups, scene::none);
+    std::uint32_t count = 0;
+    for (std::size_t k = 0; k < made.chosen.size(); ++k) {
+        std::uint32_t& of = number[k_classes * made.group[k] + made.openness[k] / 2];
+        if (of == scene::none) of = count++;
+        made.group[k] = of;
+    }
+    return count;
+}
+
+// Keeps some places of a group, at equal steps of the area that they represent.
+void SurfacePatches::keep_places(std::span<const Part> parts, std::span<const Side> sides, std::uint32_t group,
+                                 Made& made) const
+{
+    std::size_t count = 0;
+    double all = 0, sum = 0;
+    for (std::size_t k = 0; k < made.chosen.size(); ++k)
+        if (made.group[k] == group) ++count, all += static_cast<double>(made.represents[k]);
+    const double step = all / static_cast<double>(options_.kept);
+    double next = 0.5 * step;
+    for (std::size_t k = 0; k < made.chosen.size(); ++k) {
+        if (made.group[k] != group) continue;
+        const Side& side = sides[made.chosen[k]];
+        const Part& of = parts[side.part()];
+        float area = made.represents[k];
+        if (count > options_.kept) {
+            sum += static_cast<double>(area);
+            if (sum <= next) continue;
+            for (area = 0; next < sum; next += step) area += static_cast<float>(step);
+        }
+        made.places.push_back({above(parts, side, 0), side.normal(of), area, side.part()});
+    }
+}
+
 // Makes the patches of one cell.
 void SurfacePatches::make_cell(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
                                Made& made) const
 {
     const auto part = [&](std::size_t s) -> const Part& { return parts[sides[s].part()]; };
     choose_places(parts, sides, made);
-    const std::uint32_t groups = group_places(rays, parts, sides, made);
-    const std::size_t count = made.chosen.size();
-
+    const std::uint32_t seeing = group_places(rays, parts, sides, made);
     find_openness(rays, parts, sides, made);
+    const std::uint32_t groups = split_by_openness(seeing, made);
+    const std::size_t count = made.chosen.size();
 
     // Give each side to the nearest place.
     const std::size_t first_side = made.patch_of.size();
@@ -467,14 +524,12 @@ void SurfacePatches::make_cell(const ray::RayScene& rays, std::span<const Part> 
         std::uint8_t most_open = 0;
         for (std::uint32_t k = 0; k < count; ++k) {
             if (made.group[k] != g) continue;
-            const Part& of = part(made.chosen[k]);
-            const Side& side = sides[made.chosen[k]];
-            const glm::vec3 place = above(parts, side, 0);
-            made.places.push_back({place, side.normal(of), made.represents[k], side.part()});
-            const float distance = glm::length(of.middle - patch.position);
+            const float distance = glm::length(part(made.chosen[k]).middle - patch.position);
             if (made.openness[k] < most_open || (made.openness[k] == most_open && !(distance < nearest))) continue;
-            most_open = made.openness[k], nearest = distance, patch.sample = place;
+            most_open = made.openness[k], nearest = distance;
+            patch.sample = above(parts, sides[made.chosen[k]], 0);
         }
+        keep_places(parts, sides, g, made);
         patch.places = static_cast<std::uint32_t>(made.places.size()) - patch.first;
         made.patches.push_back(patch);
     }

@@ -4,17 +4,18 @@
 //
 // Large triangles are divided into parts (base/micro_triangles.h); a small triangle is one part. Both sides of a part
 // are told apart. Parts in the same cube of an octree (detail_cells.h) that face the same way form a cell. A few places
-// represent each cell, and those that see each other just above the surface form a patch: a wall that crosses a floor
-// separates the floor's patches, and the floor below a box is no part of the floor around it. So a patch is either in
-// the light or out of it, and light does not leak through walls.
+// represent each cell, and those that see each other just above the surface and are about as open form a patch: a wall
+// that crosses a floor separates the floor's patches, the floor below a box is no part of the floor around it, and
+// joints are no part of the tiles between them. So a patch is either in the light or out of it, light does not leak
+// through walls, and surfaces that cannot be seen do not dilute the light of those that can.
 //
 // Patches depend on the static scene alone: neither on the lights, nor on the view or the time.
 //
 // In scenes of very many triangles, groups of small ones take the place of triangles (triangle_groups.h): here, both
 // are units.
 //
-// Cost: a sort of all parts; up to three rays for each part, and a few more for each place. Memory: nine bytes for each
-// unit, four for each part, 36 for each place.
+// Cost: a sort of all parts; up to three rays for each part, and some ten more for each place that is tested. Memory:
+// nine bytes for each unit, four for each part, 36 for each place that is kept.
 
 #include <functional>
 #include <span>
@@ -31,11 +32,13 @@ using PatchId = std::uint32_t;
 inline constexpr PatchId k_no_patch = scene::none;
 
 struct PatchOptions {
-    std::size_t patches = 4096;    // aimed at, by one side of all surfaces
-    std::size_t most = 16384;      // of both sides, at most, below 2^15; fewer are aimed at until they fit
+    std::size_t patches = 4096;   // aimed at, by one side of all surfaces
+    std::size_t most = 32767;     // of both sides, at most, below 2^15; fewer are aimed at until they fit
+    std::size_t most_cells = 16384;
     float parts = 2;               // parts along a patch, at least
-    std::size_t places = 32;       // of a cell, at most
-    int separated = 12;            // patches of a cell, at most
+    std::size_t places = 256;      // of a cell that are tested, at most
+    std::size_t kept = 12;         // places of a patch, at most
+    int separated = 12;            // groups of places of a cell that see each other, at most
     float lift = 0.1f;             // height at which places of a cell see each other, in widths of a cube
     float open_reach = 0.5f;       // how far places look for what is close to them, in widths of a cube
     float crossed_lift = 0.001f;   // the same for the places of a part
@@ -103,8 +106,13 @@ class SurfacePatches {
                                Made& made) const;
     void find_openness(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
                        Made& made) const;
+    static std::uint32_t split_by_openness(std::uint32_t groups, Made& made);
+    void keep_places(std::span<const Part> parts, std::span<const Side> sides, std::uint32_t group, Made& made) const;
     void make_cell(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
                    Made& made) const;
+    std::vector<Made> make_cells(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
+                                 std::span<const std::size_t> cells, Tasks& tasks) const;
+    void number_patches(std::span<const Side> sides, std::span<const std::size_t> cells, std::vector<Made>& made);
     void mark_crossed(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides);
     // The index of an object among those with surfaces.
     scene::ObjectId object_of(std::uint32_t unit) const;

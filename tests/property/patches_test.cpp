@@ -158,6 +158,66 @@ TEST(Patches, LieOnOneSideOfASheet)
     EXPECT_LE(wrong, known / 25);
 }
 
+// A plate just above a floor: what it keeps in the dark is no part of the floor around it, although both see each other
+// along the floor.
+TEST(Patches, SeparateWhatIsCoveredFromWhatIsOpen)
+{
+    constexpr float k_half = 0.61f, k_height = 0.02f;
+    scene::Scene scene = room({1, 1, 1});
+    scene.meshes.push_back(rectangle({k_half, k_half}));
+    test::add_object(scene, static_cast<scene::MeshId>(scene.meshes.size() - 1), scene::none,
+                     glm::translate(glm::dmat4(1), glm::dvec3(0, static_cast<double>(k_height) - 1, 0)));
+    World world(done(std::move(scene)));
+    const SurfacePatches patches(world.state, world.rays, {}, world.tasks);
+    std::size_t open = 0, covered = 0, mixed = 0;
+    for (const Patch& patch : patches.patches()) {
+        if (!(patch.normal.y > 0.9f) || patch.position.y > -0.999f) continue;
+        bool out = false, in = false;
+        for (const PatchPlace& place : patches.places(patch)) {
+            const float beyond = std::max(std::abs(place.position.x), std::abs(place.position.z)) - k_half;
+            out = out || beyond > 0, in = in || beyond < -k_height;
+        }
+        open += out && !in, covered += in && !out, mixed += in && out;
+    }
+    EXPECT_GT(open, 100u);
+    EXPECT_GT(covered, 50u);
+    EXPECT_LE(mixed, 4u) << open << ' ' << covered;
+}
+
+// A grid of low walls on a floor, narrower than the parts of the floor: most of its pockets hold no place of a patch. A
+// ray that ends there counts as the others.
+TEST(Patches, RaysToSurfacesWithoutAPatchCountAsTheOthers)
+{
+    constexpr int k_walls = 61;
+    scene::Scene scene = room({1, 1, 1});
+    scene.meshes.push_back(rectangle({0.03f, 1}));
+    for (int i = 0; i < 2 * k_walls; ++i) {
+        const double at = -0.997 + 2.0 * (i / 2) / k_walls;
+        glm::dmat4 to = glm::translate(glm::dmat4(1), glm::dvec3(0, -0.97, 0));
+        if (i % 2 == 1) to = glm::rotate(to, k_pi / 2, glm::dvec3(0, 1, 0));
+        to = glm::translate(to, glm::dvec3(at, 0, 0));
+        test::add_object(scene, static_cast<scene::MeshId>(scene.meshes.size() - 1), scene::none,
+                         glm::rotate(to, k_pi / 2, glm::dvec3(0, 0, 1)));
+    }
+    World world(done(std::move(scene)));
+    const SurfacePatches patches(world.state, world.rays, {}, world.tasks);
+    const PatchLinks links = patches::link_patches(patches, world.state, world.rays,
+                                                   patches::Surroundings(world.scene->background), world.tasks);
+    std::vector<glm::vec3> exitance(patches.patches().size(), glm::vec3(2)), irradiance(exitance.size());
+    patches::gather_links(links, exitance, irradiance, world.tasks);
+    std::size_t ceiling = 0, unknown = 0;
+    for (std::size_t p = 0; p < exitance.size(); ++p) {
+        const Patch& patch = patches.patches()[p];
+        if (!(patch.normal.y < -0.9f) || patch.position.y < 0.9f) continue;
+        ++ceiling;
+        for (std::size_t k = 0; k < PatchLinks::k_rays; ++k)
+            unknown += links.target[PatchLinks::k_rays * p + k] == PatchLinks::k_none;
+        EXPECT_NEAR(irradiance[p].x, 2, 1e-4f);
+    }
+    EXPECT_GT(ceiling, 30u);
+    EXPECT_GT(unknown, ceiling);
+}
+
 // In a closed room every ray meets a patch, and what all give is what each gets.
 TEST(Patches, LinksOfAClosedRoomLoseNothing)
 {
