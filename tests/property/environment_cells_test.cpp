@@ -175,7 +175,7 @@ TEST(CellLight, UnoccludedIrradianceIsThatOfTheImage)
     for (const scene::Environment& environment : {even_sky(), sunny()}) {
         const DirectionCells cells(environment);
         const CellLight light(cells, &environment);
-        for (int i = 0; i < 40; ++i) {
+        for (int i = 0; i < 12; ++i) {
             const glm::vec3 normal = any_direction(random);
             const glm::dvec3 truth = irradiance_of(environment, normal);
             const glm::vec3 found = light.irradiance(normal);

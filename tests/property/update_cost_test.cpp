@@ -129,7 +129,7 @@ double resident_megabytes()
 TEST(UpdateCost, MemoryStaysWhileObjectsComeAndGo)
 {
     if (test::k_sanitized) GTEST_SKIP() << "a sanitizer keeps what was freed";
-    constexpr int k_boxes = 64, k_across = 8, k_frames = 480, k_warm = 240;
+    constexpr int k_boxes = 64, k_across = 8, k_frames = 240, k_warm = 120;
     SceneBuilder builder;
     add_surroundings(builder, k_across);
     std::deque<std::pair<NodeId, MeshId>> boxes;
@@ -153,7 +153,7 @@ TEST(UpdateCost, MemoryStaysWhileObjectsComeAndGo)
         renderer.render(builder.finish(), input);
         if (frame == k_warm) early = resident_megabytes();
     }
-    EXPECT_LT(resident_megabytes(), early + 4);   // 239 frames that leaked 20 kB each would exceed it
+    EXPECT_LT(resident_megabytes(), early + 4);   // 119 frames that leaked 40 kB each would exceed it
 }
 
 }   // namespace

@@ -203,6 +203,17 @@ TEST(AffImport, TessellatesSpheres)
     EXPECT_NEAR(whole(2), 4 * k_pi / 3, 0.05);
 }
 
+TEST(AffImport, LeavesOutSpheresThatManyOthersHide)
+{
+    const AffFolder folder;
+    std::string text = k_material + "s 0 0 0 2\n";
+    for (int i = 0; i < 100; ++i) text += "s 1 2 3 2\n";
+    const scene::Scene scene = folder.load(text);
+    EXPECT_EQ(scene.objects.size(), 65u);
+    ASSERT_EQ(scene.warnings.size(), 1u);
+    EXPECT_EQ(scene.warnings[0], "36 spheres where 64 equal ones are already: left out");
+}
+
 TEST(AffImport, TessellatesCones)
 {
     const AffFolder folder;

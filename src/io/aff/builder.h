@@ -11,6 +11,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "io/aff/shapes.h"
@@ -122,6 +123,9 @@ class AffBuilder {
     std::vector<scene::Material> plain_;    // distinct materials without their textures
     std::map<std::array<float, 12>, std::uint32_t> plain_by_values_;
     std::map<std::pair<std::uint32_t, scene::TextureId>, scene::MaterialId> materials_;
+    // By mesh, transform, centre and radius: spheres in one place.
+    std::map<std::tuple<scene::MeshId, scene::NodeId, std::array<double, 4>>, std::uint32_t> in_place_;
+    std::size_t repeats_ = 0;                                               // spheres that were left out
     std::map<std::pair<scene::MaterialId, bool>, scene::MeshId> spheres_;   // by material, and whether seen from inside
     std::optional<Run> run_;
     std::vector<Named> animated_, animated_lights_;
