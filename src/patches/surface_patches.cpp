@@ -11,6 +11,7 @@
 #include "base/interruption.h"
 #include "base/micro_triangles.h"
 #include "lighting/diffuse.h"
+#include "patches/nearest_place.h"
 #include "ray/directions_above.h"
 #include "ray/origin.h"
 
@@ -60,6 +61,7 @@ struct SurfacePatches::Made {
     std::vector<std::uint32_t> chosen, group, open, target;
     std::vector<float> represents;
     std::vector<std::uint8_t> openness;   // by chosen place
+    NearestPlace middles;                 // of the chosen places
 
     Made() { rays.purpose = ray::RayClass::indirect; }
     void trace(const ray::RayScene& scene)
@@ -487,18 +489,13 @@ void SurfacePatches::make_cell(const ray::RayScene& rays, std::span<const Part> 
     const std::size_t first_side = made.patch_of.size();
     made.target.assign(sides.size(), 0);
     made.represents.assign(count, 0);
+    made.middles.clear();
+    for (const std::uint32_t s : made.chosen) made.middles.push(part(s).middle);
     for (std::size_t s = 0, own = 0; s < sides.size(); ++s) {
         while (own < count && made.chosen[own] < s) ++own;
-        std::size_t best = own < count && made.chosen[own] == s ? own : count;
-        if (best == count) {
-            float least = k_infinity;
-            for (std::size_t k = 0; k < count; ++k) {
-                const glm::vec3 way = part(made.chosen[k]).middle - part(s).middle;
-                const float square = glm::dot(way, way);
-                if (best == count || square < least) least = square, best = k;
-            }
-        }
-        made.target[s] = static_cast<std::uint32_t>(best);
+        const std::uint32_t best =
+            own < count && made.chosen[own] == s ? static_cast<std::uint32_t>(own) : made.middles.of(part(s).middle);
+        made.target[s] = best;
         made.represents[best] += part(s).area;
     }
 
@@ -588,17 +585,19 @@ PatchId SurfacePatches::patch_at(const ray::RayScene& rays, scene::ObjectId obje
         PatchId patch;
         glm::vec3 way;
     };
-    std::vector<Candidate> candidates;
+    std::array<Candidate, k_tries> nearest;   // in order, of equally near ones the first in front
+    std::size_t count = 0;
     const PatchId cell = patches_[code & ~k_crossed].cell;
     for (PatchId p = cell; p < patches_.size() && patches_[p].cell == cell; ++p)
         for (const PatchPlace& place : places(patches_[p])) {
             const glm::vec3 way = place.position - above;
-            candidates.push_back({glm::dot(way, way), p, way});
+            const float square = glm::dot(way, way);
+            if (count == k_tries && !(square < nearest[count - 1].square)) continue;
+            std::size_t i = count < k_tries ? count++ : count - 1;
+            for (; i > 0 && square < nearest[i - 1].square; --i) nearest[i] = nearest[i - 1];
+            nearest[i] = {square, p, way};
         }
-    std::stable_sort(candidates.begin(), candidates.end(),
-                     [](const Candidate& x, const Candidate& y) { return x.square < y.square; });
-    if (candidates.size() > k_tries) candidates.resize(k_tries);
-    for (const Candidate& candidate : candidates)
+    for (const Candidate& candidate : std::span(nearest).first(count))
         if (!rays.occluded_single(above, 0, candidate.way, ray::k_shadow_ray_end, ray::Against::static_only))
             return candidate.patch;
     return k_no_patch;

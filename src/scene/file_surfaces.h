@@ -59,7 +59,14 @@ std::size_t open_shells(Scene& scene);
 /// @return  the number of meshes
 std::size_t add_tangents(Scene& scene);
 
-/// turn_surfaces(), find_sky_domes() and show_invisible(), with a warning for each repair.
+/// Leaves out triangles where k_most_in_place of the same mesh, with the same corners and winding, are already:
+/// thousands in one place are a mistake or an attack, nobody sees more than one, and no tree of boxes tells them apart.
+/// Triangles without area and meshes that deform stay. A warning says how many. Cost: O(n log n) in the triangles of a mesh.
+/// @return  the number of triangles
+std::size_t leave_out_repeats(Scene& scene);
+inline constexpr std::size_t k_most_in_place = 64;
+
+/// leave_out_repeats(), turn_surfaces(), find_sky_domes() and show_invisible(), with a warning for each repair.
 void repair_surfaces(Scene& scene);
 
 }   // namespace gnomon::scene

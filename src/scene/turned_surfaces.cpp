@@ -144,6 +144,7 @@ std::size_t open_shells(Scene& scene)
 
 void repair_surfaces(Scene& scene)
 {
+    leave_out_repeats(scene);
     if (const std::size_t turned = turn_surfaces(scene); turned > 0)
         scene.warnings.push_back(fmt::format("{} whose normals point to {} back: turned",
                                              turned == 1 ? "1 surface" : fmt::format("{} surfaces", turned),

@@ -251,6 +251,34 @@ TEST(SurfaceRepairs, SmoothMeshesHaveSmoothTangents)
     EXPECT_EQ(add_tangents(scene), 0u);
 }
 
+// Beyond 64 of equal corners and winding, triangles are left out; the parts of the mesh stay whole.
+TEST(SurfaceRepairs, OfManyTrianglesInOnePlaceSomeAreKept)
+{
+    Mesh mesh;
+    mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 0}};
+    for (int i = 0; i < 100; ++i) mesh.triangles.push_back(i % 2 == 0 ? glm::uvec3(0, 1, 2) : glm::uvec3(2, 0, 4));
+    for (int i = 0; i < 64; ++i) mesh.triangles.emplace_back(0, 2, 1);    // seen from behind
+    for (int i = 0; i < 100; ++i) mesh.triangles.emplace_back(1, 4, 2);   // without area
+    for (int i = 0; i < 70; ++i) mesh.triangles.emplace_back(0, 3, 2);
+    mesh.parts = {{0, 0, 90}, {0, 90, 184}, {0, 274, 60}};
+    Scene scene = scene_of({mesh});
+    EXPECT_EQ(leave_out_repeats(scene), 36u + 6u);
+    const Mesh& left = scene.meshes[0];
+    ASSERT_EQ(left.triangles.size(), mesh.triangles.size() - 42);
+    ASSERT_EQ(left.parts.size(), 3u);
+    EXPECT_EQ(left.parts[0].triangle_count, 64u);
+    EXPECT_EQ(left.parts[1].first_triangle, 64u);
+    EXPECT_EQ(left.parts[1].triangle_count, 174u);
+    EXPECT_EQ(left.parts[2].triangle_count, 54u);
+    EXPECT_EQ(left.triangles[64], glm::uvec3(0, 2, 1));
+    EXPECT_NO_THROW(check_mesh(left));
+    EXPECT_EQ(leave_out_repeats(scene), 0u);
+
+    mesh.morph_targets.emplace_back().positions.assign(mesh.positions.size(), {});
+    Scene moving = scene_of({mesh});
+    EXPECT_EQ(leave_out_repeats(moving), 0u);
+}
+
 // The whole way of a file: an image that shows something, with a warning, and as it is written if reading is strict.
 TEST(SurfaceRepairs, FilesAreShownWithAWarningAndAsTheyAreIfStrict)
 {

@@ -9,6 +9,7 @@
 #include "base/check.h"
 #include "io/aff/mesh.h"
 #include "io/image/image_file.h"
+#include "scene/file_surfaces.h"
 
 namespace gnomon::io {
 
@@ -315,6 +316,7 @@ scene::Scene AffBuilder::finish()
     place_camera();
     if (std::string halved = memory_.warning(scene_.textures); !halved.empty())
         scene_.warnings.push_back(std::move(halved));
+    scene::leave_out_repeats(scene_);
     scene_.finish();
     return std::move(scene_);
 }

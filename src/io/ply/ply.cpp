@@ -14,6 +14,7 @@
 #include "io/load.h"
 #include "io/obj/mesh.h"
 #include "io/ply/body.h"
+#include "scene/file_surfaces.h"
 
 namespace gnomon::io {
 
@@ -299,6 +300,7 @@ scene::Scene load_ply(const std::filesystem::path& file, const Progress& progres
     material.double_sided = true;   // scanners and converters do not agree on the order of corners
     scene.materials.push_back(material);
     if (!data.faces.empty()) add_obj_meshes(scene, data, {0}, {});
+    scene::leave_out_repeats(scene);
     scene.finish();
     return scene;
 }

@@ -16,6 +16,7 @@
 #include "io/file/read_file.h"
 #include "io/load.h"
 #include "io/obj/mesh.h"
+#include "scene/file_surfaces.h"
 
 namespace gnomon::io {
 
@@ -211,6 +212,7 @@ scene::Scene load_stl(const std::filesystem::path& file, const Progress& progres
     for (ObjFace& face : data.faces) face.object = kept[face.object];
     data.objects = std::move(names);
     add_obj_meshes(scene, data, {0}, {});
+    scene::leave_out_repeats(scene);
     scene.finish();
     return scene;
 }
