@@ -38,6 +38,23 @@ SampleWeights sample_weights(PixelFilter filter, const glm::vec2& offset)
     return weights;
 }
 
+SampleWeights lone_sample_weights(PixelFilter filter)
+{
+    if (filter == PixelFilter::box) return sample_weights(filter, glm::vec2(0.5f));
+    // Integrate the filter.
+    constexpr int k_steps = 1000;
+    float sum = 0, square = 0;
+    for (int i = 0; i < k_steps; ++i) {
+        const float d = k_filter_radius * (2 * (static_cast<float>(i) + 0.5f) / k_steps - 1);
+        const float w = filter_weight(filter, d) * (2 * k_filter_radius / k_steps);
+        sum += w, square += w * d * d;
+    }
+    const float beside = square / 2;
+    SampleWeights weights;
+    for (int i = 0; i < 3; ++i) weights.across[i] = weights.down[i] = i == 1 ? sum - 2 * beside : beside;
+    return weights;
+}
+
 SampleSums::SampleSums(Size size, int tile, int channels, float white)
     : size_(size),
       side_(tile),

@@ -40,6 +40,12 @@ struct SampleWeights {
 /// @param offset  position in the pixel, 0 to 1
 SampleWeights sample_weights(PixelFilter filter, const glm::vec2& offset);
 
+/// The weights of a pixel's only sample, at its centre, so that pixels of one sample are blurred as much as those of
+/// many: the columns and rows before and after have half of the filter's variance each. A filter that is sampled at
+/// pixels' centres alone is narrower than it is [in the sense of the second moment], and would leave textures that have
+/// one sample a pixel sharper than the mean of many.
+SampleWeights lone_sample_weights(PixelFilter filter);
+
 /// How light above the display's white counts: less, as above, or as it is.
 enum class LightWeight : std::uint8_t { shown, linear };
 

@@ -40,6 +40,7 @@ struct Refinement {
     const LobeImage* lobes;                // filtered; null: no surface has any
     shading::RefineOptions options;
     std::array<image::SampleWeights, scene::k_refined_samples + 1> weights;   // of the centre, and by further sample
+    image::SampleWeights lone;                                                // of a pixel's only sample
     image::SampleSums& sums;
 };
 

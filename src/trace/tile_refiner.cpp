@@ -91,7 +91,7 @@ void TileTracer::add_single(const Tile& tile, const Refinement& refinement, cons
         for (int x = 0; x < tile.width; ++x) {
             if (!pixels.single(tile.x + x, tile.y + y)) continue;
             single_values({tile.x + x, tile.y + y});
-            refinement.sums.add(number_of(tile), x, y, refinement.weights[0], 1, single_values_.data());
+            refinement.sums.add(number_of(tile), x, y, refinement.lone, 1, single_values_.data());
         }
     refinement_ = nullptr;
 }

@@ -216,9 +216,11 @@ void take_further_samples(const shading::CentreSamples& centres, const LobeImage
 {
     const float exposure = exposure_of(out, options);
     image::SampleSums sums(centres.size(), options.tile, channels_of(out, options), k_white / exposure);
-    Refinement refinement{centres, out, averaged_layers(std::as_const(out), options), lobes, options.refine, {}, sums};
+    Refinement refinement{centres, out, averaged_layers(std::as_const(out), options), lobes, options.refine, {},
+                          {},      sums};
     refinement.options.exposure = exposure;
     refinement.weights[0] = image::sample_weights(options.filter, glm::vec2(0.5f));
+    refinement.lone = image::lone_sample_weights(options.filter);
     for (int i = 0; i < scene::k_refined_samples; ++i)
         refinement.weights[static_cast<std::size_t>(i) + 1] =
             image::sample_weights(options.filter, scene::refined_offset(i));

@@ -106,6 +106,33 @@ TEST(PixelFilter, SamplesOfAPixelStandForItsArea)
     EXPECT_EQ(image[7], 4);
 }
 
+// A pixel's only sample is spread as far as many samples of it are: sum and second moment of the weights are those of
+// the filter, seen from samples all over a pixel.
+TEST(PixelFilter, LoneSamplesAreBlurredAsManyAre)
+{
+    constexpr int k_samples = 400;
+    for (const PixelFilter filter : k_filters) {
+        // Of many: the mean of the weights, and of the squared distance between sample and pixel.
+        double sum = 0, square = 0;
+        for (int i = 0; i < k_samples; ++i) {
+            const float at = (static_cast<float>(i) + 0.5f) / k_samples;
+            const SampleWeights weights = sample_weights(filter, {at, 0.5f});
+            for (int k = 0; k < 3; ++k) {
+                const double away = static_cast<double>(at) - (k - 1) - 0.5;
+                sum += static_cast<double>(weights.across[k]) / k_samples;
+                square += static_cast<double>(weights.across[k]) * away * away / k_samples;
+            }
+        }
+        if (filter == PixelFilter::box) square = 0;   // a pixel apart from its neighbours stays so
+        const SampleWeights lone = lone_sample_weights(filter);
+        for (const float* const weights : {lone.across, lone.down}) {
+            EXPECT_NEAR(static_cast<double>(weights[0] + weights[1] + weights[2]), sum, 2e-3);
+            EXPECT_NEAR(static_cast<double>(weights[0] + weights[2]), square, 2e-3);
+            EXPECT_EQ(weights[0], weights[2]);
+        }
+    }
+}
+
 TEST(PixelFilter, LightAboveWhiteCountsLess)
 {
     // One of four samples shows an emitter 30 times as bright as white. Its edge becomes a step below white.
