@@ -7,6 +7,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <algorithm>
+#include <filesystem>
 
 #include "gnomon/error.h"
 #include "options/presets.h"
@@ -16,9 +17,14 @@ namespace gnomon::cli {
 namespace {
 constexpr const char* k_standard_output = "-";
 
-// Removes the name of the subcommand from the front of `words`. "bench culling" is two words.
+// Removes the name of the subcommand from the front of `words`. "bench culling" is two words; a scene in its place
+// means "view".
 const options::SubcommandInfo& take_subcommand(std::vector<std::string>& words)
 {
+    // A scene alone is shown.
+    std::error_code none;
+    if (words.front().starts_with("builtin:") || std::filesystem::is_regular_file(words.front(), none))
+        if (!options::find_subcommand(words.front())) return *options::find_subcommand("view");
     std::string name = words.front();
     words.erase(words.begin());
     if (name == "bench") {

@@ -80,7 +80,8 @@ std::string help_text(const options::SubcommandInfo* subcommand)
             text += row(std::string(each.name) + (each.arguments.empty() ? "" : " ") + std::string(each.arguments),
                         std::string(each.summary) + (each.built ? "" : "; not built yet"));
         return text +
-               "\ngnomon SUBCOMMAND --help explains the options of a subcommand.\n"
+               "\ngnomon SCENE shows it, as gnomon view SCENE does.\n"
+               "gnomon SUBCOMMAND --help explains the options of a subcommand.\n"
                "SCENE: a file, or builtin:cornell, builtin:kinetic, builtin:spheres?objects=300&dynamic=10.\n"
                "Exit codes: 0 success, 1 a comparison or check failed, 2 invalid arguments, 3 invalid input file,\n"
                "4 a device, a driver, ffmpeg or disk space is missing, 5 internal error, 130 interrupted.\n";

@@ -24,12 +24,17 @@ int run_view(const CommandLine& line, Output& output)
     for (const std::string& file : summary.files) output.say(file);
     output.detail(fmt::format("{} images, median {:.1f} ms; longest window frame {:.1f} ms", summary.images,
                               summary.median_image_ms, summary.longest_ms));
+    output.detail(fmt::format("{} inputs, each shown after {:.0f} ms in the median and {:.0f} ms at most",
+                              summary.latency.inputs, summary.latency.median_ms, summary.latency.longest_ms));
     output.finish({{"version", std::string(version())},
                    {"scene", line.positionals[0]},
                    {"window_frames", summary.window_frames},
                    {"longest_frame_ms", summary.longest_ms},
                    {"pictures", summary.images},
                    {"median_picture_ms", summary.median_image_ms},
+                   {"inputs", summary.latency.inputs},
+                   {"median_latency_ms", summary.latency.median_ms},
+                   {"longest_latency_ms", summary.latency.longest_ms},
                    {"loads", summary.loads},
                    {"files", summary.files},
                    {"options_set", summary.options_set},

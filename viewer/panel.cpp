@@ -190,37 +190,62 @@ void Panel::options(ViewSettings& settings, PanelEvents& events)
     }
 }
 
-void Panel::clips(ViewSettings& settings, const Scene& scene, std::uint64_t loads, PanelEvents& events)
+// A list of the values that an option may have in this scene, and "default".
+// @param entries  labels and values
+// @return whether the user chose one
+bool Panel::list(ViewSettings& settings, const char* name, const char* label, std::string_view explained,
+                 const std::vector<std::pair<std::string, std::string>>& entries)
 {
-    if (listed_ != &scene || listed_loads_ != loads)
-        listed_ = &scene, listed_loads_ = loads, clips_ = scene.info().animations;
-    if (clips_.size() < 2) return;
-    const std::string current = settings.values().text("animation");
-    const auto choose = [&](const std::string& value) {
-        message = settings.set(*options::find_option(options::Subcommand::view, "animation"), value);
-        if (!message.empty()) return;
-        options_set.insert("animation");
-        events.scene_changed = true;
-    };
-    std::string label_now = current.empty() ? "default" : current;
-    for (std::size_t i = 0; i < clips_.size(); ++i)
-        if (current == std::to_string(i) && !clips_[i].name.empty()) label_now = clips_[i].name;
-    ImGui::PushItemWidth(-ImGui::GetFontSize() * 4);
-    if (ImGui::BeginCombo("clip", label_now.c_str())) {
-        if (ImGui::Selectable("default", current.empty())) choose("");
-        for (std::size_t i = 0; i < clips_.size(); ++i) {
-            const std::string number = std::to_string(i);
-            const std::string label = fmt::format("{}{}##{}", clips_[i].name.empty() ? number : clips_[i].name,
-                                                  clips_[i].plays ? " (plays)" : "", i);
-            if (ImGui::Selectable(label.c_str(), current == number)) choose(number);
-        }
-        if (ImGui::Selectable("all", current == "all")) choose("all");
+    const std::string current = settings.values().text(name);
+    std::string shown_now = current.empty() ? "default" : current;
+    for (const auto& [text, value] : entries)
+        if (value == current) shown_now = text;
+    std::optional<std::string> chosen;
+    ImGui::PushItemWidth(-ImGui::GetFontSize() * 5);
+    if (ImGui::BeginCombo(label, shown_now.c_str())) {
+        if (ImGui::Selectable("default", current.empty())) chosen = "";
+        for (std::size_t i = 0; i < entries.size(); ++i)
+            if (ImGui::Selectable(fmt::format("{}##{}", entries[i].first, i).c_str(), entries[i].second == current))
+                chosen = entries[i].second;
         ImGui::EndCombo();
     }
-    tooltip(
-        "which animation of the file plays, as --animation chooses it; default: all that move different things, "
-        "or the first");
+    tooltip(explained);
     ImGui::PopItemWidth();
+    if (!chosen) return false;
+    message = settings.set(*options::find_option(options::Subcommand::view, name), *chosen);
+    if (!message.empty()) return false;
+    options_set.insert(name);
+    return true;
+}
+
+void Panel::lists(ViewSettings& settings, const Scene& scene, std::uint64_t loads, PanelEvents& events)
+{
+    if (listed_ != &scene || listed_loads_ != loads) {
+        const SceneInfo info = scene.info();
+        listed_ = &scene, listed_loads_ = loads;
+        clips_.clear(), cameras_.clear(), variants_.clear();
+        const auto named = [](const std::string& text, std::size_t i) {
+            return text.empty() ? std::to_string(i) : text;
+        };
+        for (std::size_t i = 0; i < info.animations.size(); ++i)
+            clips_.emplace_back(named(info.animations[i].name, i) + (info.animations[i].plays ? " (plays)" : ""),
+                                std::to_string(i));
+        clips_.emplace_back("all", "all");
+        for (std::size_t i = 0; i < info.cameras.size(); ++i)
+            cameras_.emplace_back(named(info.cameras[i], i), std::to_string(i));
+        for (const std::string& variant : info.variants) variants_.emplace_back(variant, variant);
+    }
+    if (clips_.size() > 2 &&
+        list(settings, "animation", "clip",
+             "which animation of the file plays, as --animation chooses it; default: all that move "
+             "different things, or the first",
+             clips_))
+        events.scene_changed = true;
+    if (cameras_.size() > 1 && list(settings, "camera", "camera", "which of the file's cameras is shown", cameras_))
+        events.options_changed = events.scene_camera = true;
+    if (!variants_.empty() &&
+        list(settings, "variant", "variant", "which of the file's sets of materials is shown", variants_))
+        events.scene_changed = true;
 }
 
 void Panel::player(Playback& playback, const Scene& scene) const
@@ -387,7 +412,7 @@ PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, OverrideList
     ImGui::SetNextWindowBgAlpha(0.85f);
     ImGui::Begin("Gnomon", &shown);
     if (scene) player(playback, *scene);
-    if (scene) clips(settings, *scene, load.loads, events);
+    if (scene) lists(settings, *scene, load.loads, events);
     if (ImGui::Button("Screenshot")) events.screenshot = true;
     ImGui::SameLine();
     if (ImGui::Button(recording ? "Stop recording" : "Record")) events.record = true;

@@ -7,6 +7,8 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "viewer/settings.h"
@@ -71,17 +73,19 @@ class Panel {
     void options(ViewSettings& settings, PanelEvents& events);
     void option(ViewSettings& settings, const options::Option& option, PanelEvents& events);
     void player(Playback& playback, const Scene& scene) const;
-    // The clips of a file that has several.
-    void clips(ViewSettings& settings, const Scene& scene, std::uint64_t loads, PanelEvents& events);
+    // The clips, cameras and variants of a file that has several.
+    void lists(ViewSettings& settings, const Scene& scene, std::uint64_t loads, PanelEvents& events);
+    bool list(ViewSettings& settings, const char* name, const char* label, std::string_view explained,
+              const std::vector<std::pair<std::string, std::string>>& entries);
     void counters(const ViewImage& image) const;
     void object(OverrideList& overrides, const ViewImage& image);
     void keys();
     static void legend(const std::string& overlay);
 
     TimeGraph graph_;
-    const Scene* listed_ = nullptr;    // the scene of which clips_ are,
+    const Scene* listed_ = nullptr;    // the scene of which the lists are,
     std::uint64_t listed_loads_ = 0;   // and how many were loaded until then
-    std::vector<AnimationInfo> clips_;
+    std::vector<std::pair<std::string, std::string>> clips_, cameras_, variants_;   // labels and options' values
     std::vector<std::pair<std::string, std::string>> typed_;   // option and its text while it is edited
 };
 

@@ -26,12 +26,13 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr Size k_first_size{1280, 720};
-constexpr double k_idle_seconds = 1.0 / 60;          // between checks of the input while nothing happens
-constexpr double k_look_seconds = 0.5;               // between checks whether the scene's file changed
-constexpr double k_slow_ms = 150, k_quick_ms = 40;   // slower images in motion get fewer pixels, faster ones more
-constexpr int k_smallest_scale = 4;                  // every fourth pixel in x and y
-constexpr float k_click_pixels = 4;                  // a drag shorter than this is a click
-constexpr float k_wheel = 0.9f;                      // a notch of the wheel multiplies the distance by this
+constexpr double k_idle_seconds = 1.0 / 60;      // between checks of the input while nothing happens
+constexpr double k_look_seconds = 0.5;           // between checks whether the scene's file changed
+constexpr double k_slow_ms = 45;                 // slower images in motion get fewer pixels: 20 a second and more
+constexpr int k_scales[] = {1, 2, 3, 4, 6, 8};   // every second pixel in x and y, ...
+constexpr double k_quick = 0.9;                  // of k_slow_ms: what the next finer image may take
+constexpr float k_click_pixels = 4;              // a drag shorter than this is a click
+constexpr float k_wheel = 0.9f;                  // a notch of the wheel multiplies the distance by this
 
 double seconds_since(Clock::time_point start)
 {
@@ -77,9 +78,11 @@ struct Viewer::Impl {
     // The last request, to detect changes.
     double requested_time = -1;
     Size requested_size{};
-    int scale =
-        k_smallest_scale;   // every scale-th pixel in x and y; coarse at first, so that the first image is quick
+    std::size_t scale = std::size(k_scales) - 1;   // of images in motion; coarse, so that the first one is quick
     int requested_scale = 1;
+    std::optional<Clock::time_point> input_at;                            // the first input that no request has yet
+    std::vector<std::pair<std::uint64_t, Clock::time_point>> requested;   // requests, and when their input came
+    std::vector<double> latency_ms;
     bool wants_screenshot = false;
     std::uint64_t shot_request = 0, video_request = 0;   // requests for a screenshot and for the video's next frame
     Size video_size{};                                   // the window's size when the recording began
@@ -105,6 +108,7 @@ struct Viewer::Impl {
     }
     void take_scene();
     void take_image();
+    void adapt_scale();
     void take_camera();
     void follow_mouse();
     void fly(double seconds);
@@ -136,6 +140,8 @@ void Viewer::Impl::take_scene()
     playback.frame = std::min(playback.frame, static_cast<double>(playback.frames));
     overrides.list.clear();
     shot_request = video_request = 0;   // request them again with the new scene
+    requested.clear();
+    input_at.reset();
     panel.picked.reset();
     pick.reset();
     own_camera = false;
@@ -153,10 +159,14 @@ void Viewer::Impl::take_image()
     image_ms.push_back(image->times.total());
     ++summary.images;
     if (image->picked && image->scene == scene) panel.picked = image->picked;
-    // Adapt the number of pixels to the speed.
-    const double full = image->times.total();
-    if (full > k_slow_ms && scale < k_smallest_scale) scale *= 2;
-    if (full < k_quick_ms && scale > 1) scale /= 2;
+    // Note how long the input waited that this image shows.
+    const Clock::time_point now = Clock::now();
+    std::erase_if(requested, [&](const auto& request) {
+        if (request.first > image->request) return false;
+        latency_ms.push_back(std::chrono::duration<double, std::milli>(now - request.second).count());
+        return true;
+    });
+    adapt_scale();
     // Save the image if it is the requested screenshot or the next frame of the recording.
     const bool finished = image->frame.complete && image->scene == scene;
     if (wants_screenshot && finished && image->request == shot_request) {
@@ -171,6 +181,17 @@ void Viewer::Impl::take_image()
         playback.frame = playback.frame + 1 > playback.frames ? 1 : playback.frame + 1;
         dirty = true;
     }
+}
+
+// Adapts the number of pixels of images in motion to the speed of the last one.
+void Viewer::Impl::adapt_scale()
+{
+    if (requested_scale != k_scales[scale]) return;   // a sharper image of what stands still
+    const double ms = image->times.total();
+    if (ms > k_slow_ms && scale + 1 < std::size(k_scales)) ++scale;
+    if (scale == 0) return;
+    const double finer = static_cast<double>(k_scales[scale]) / k_scales[scale - 1];
+    if (ms * finer * finer < k_quick * k_slow_ms) --scale;
 }
 
 // Switches to the interactive camera, which starts at the scene's camera.
@@ -316,6 +337,9 @@ void Viewer::Impl::ask()
     const bool sharper = !moved && requested_scale > 1;
     const bool whole = recorder.recording() || wants_screenshot;
     if (!moved && !sharper) return;
+    // What a scene's first image waits for is no input.
+    const bool asked = dirty || overrides.list != requested_overrides;
+    if (asked && !whole && !input_at && image && image->scene == scene) input_at = Clock::now();
     // Send one request at a time and let each finish, because every frame fills caches for the next. A sharper image
     // of what is shown need not finish, so that a drag never waits for it.
     if (session.busy() && !(moved && session.interruptible())) return;
@@ -333,7 +357,7 @@ void Viewer::Impl::ask()
         request.turn = 2 * k_pi * ((playback.frame - 1) / playback.fps / request.options.turntable_seconds);
     request.whole = whole;
     request.interruptible = sharper;
-    requested_scale = whole ? 1 : sharper ? requested_scale / 2 : scale;
+    requested_scale = whole ? 1 : sharper ? requested_scale / 2 : k_scales[scale];
     request.size = {std::max(size.width / requested_scale, 16), std::max(size.height / requested_scale, 16)};
     if (own_camera) request.orbit = camera.camera();
     request.pick = std::exchange(pick, std::nullopt);
@@ -344,6 +368,8 @@ void Viewer::Impl::ask()
     requested_overrides = overrides.list;
     dirty = false;
     const std::uint64_t number = session.ask(std::move(request));
+    if (input_at) requested.emplace_back(number, *input_at);
+    input_at.reset();
     if (wants_screenshot) shot_request = number;
     if (recorder.recording()) video_request = number;
 }
@@ -512,6 +538,10 @@ ViewSummary Viewer::run(const std::function<bool()>& stopped)
         const auto middle = in.image_ms.begin() + static_cast<std::ptrdiff_t>(in.image_ms.size() / 2);
         std::nth_element(in.image_ms.begin(), middle, in.image_ms.end());
         in.summary.median_image_ms = *middle;
+    }
+    if (!in.latency_ms.empty()) {
+        std::sort(in.latency_ms.begin(), in.latency_ms.end());
+        in.summary.latency = {in.latency_ms.size(), in.latency_ms[in.latency_ms.size() / 2], in.latency_ms.back()};
     }
     return in.summary;
 }

@@ -217,6 +217,34 @@ TEST(View, AClipIsChosenFromTheList)
     EXPECT_NE(shot, rendered("walk"));
 }
 
+// The list of cameras shows the frame through the one that is chosen, also after the view was turned. What was asked
+// for is shown, and the summary says how soon.
+TEST(View, ACameraIsChosenFromTheList)
+{
+    NEED_WINDOWS();
+    const ScratchFolder folder;
+    write_two_clips(folder / "two.gltf");
+    std::string text = bytes_of(folder / "two.gltf");
+    text.replace(text.find("[0,1]"), 5, "[0,1,2]");
+    text.replace(text.find("[0,0,6]}"), 8, R"([0,0,6]},{"camera":0,"translation":[1,0,4]})");
+    std::ofstream(folder / "two.gltf") << text;
+    const Seen seen = drive(folder, "two.gltf", "",
+                            "sleep 1\nmousemove 380 300\nmousedown 1\nmousemove 370 320\nmousemove 360 350\nmouseup 1\n"
+                            "sleep 0.5\nmousemove 90 114\nclick 1\nsleep 0.7\nmousemove 60 172\nclick 1\nsleep 1\n"
+                            "mousemove 350 300\nkey Home\nsleep 0.5\nkey p\nawait gnomon-0001.png\nkey Escape\n",
+                            "400x500");
+    ASSERT_EQ(seen.code, 0) << seen.err;
+    EXPECT_EQ(seen.json.at("options_set"), nlohmann::json::array({"camera"}));
+    EXPECT_EQ(seen.json.at("loads"), 1);
+    EXPECT_GE(seen.json.at("inputs"), 1);
+    EXPECT_GT(seen.json.at("median_latency_ms"), 0);
+    EXPECT_GE(seen.json.at("longest_latency_ms"), seen.json.at("median_latency_ms"));
+    const Outcome rendered = run({"render", folder / "two.gltf", "--camera", "1", "--frame", "1", "--size", "400x500",
+                                  "--samples", "1", "-o", folder / "render.png"});
+    ASSERT_EQ(rendered.code, 0) << rendered.err;
+    EXPECT_EQ(io::read_image(folder / "gnomon-0001.png").data, io::read_image(folder / "render.png").data);
+}
+
 TEST(View, ReloadsAChangedFile)
 {
     NEED_WINDOWS();
@@ -264,6 +292,10 @@ TEST(View, FailureIsAnExitCodeAndOneLine)
 {
     expect_failure(run({"view", "builtin:cornell"}, {{"DISPLAY", ":none"}, {"WAYLAND_DISPLAY", "none"}}), 4,
                    "cannot open a window");
+    // A scene alone is shown; a word that is neither is still no subcommand.
+    expect_failure(run({"builtin:cornell"}, {{"DISPLAY", ":none"}, {"WAYLAND_DISPLAY", "none"}}), 4,
+                   "cannot open a window");
+    expect_failure(run({"missing.gltf"}), 2, "no subcommand 'missing.gltf'");
     NEED_WINDOWS();
     const ScratchFolder folder;
     const Seen seen = drive(folder, "missing.gltf", "", "");
