@@ -99,8 +99,9 @@ import json, os, sys
 folder, began, ended, longest, program = sys.argv[1], float(sys.argv[2]), float(sys.argv[3]), float(sys.argv[4]), sys.argv[5]
 seen = json.load(open(folder + "/seen.json"))
 err = open(folder + "/err", errors="replace").read()
+images, median = seen["pictures"], seen["median_picture_ms"]
 print(f"{ended - began:.0f} s of input, {seen['window_frames']} window frames, the longest {seen['longest_frame_ms']:.0f} ms; "
-      f"{seen['pictures']} images, median {seen['median_picture_ms']:.0f} ms; {seen['loads']} loads; "
+      f"{images} images, median {median:.0f} ms; {seen['loads']} loads; "
       f"options set: {len(seen['options_set'])}")
 faults = []
 every = {"renderer", "fps", "camera", "turntable", "lights", "light", "environment", "samples", "max-depth", "accelerator",
