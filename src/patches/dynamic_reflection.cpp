@@ -14,9 +14,13 @@ namespace gnomon::patches {
 
 namespace {
 
-constexpr std::size_t k_places = 64, k_least_places = 8, k_places_in_all = 1024;   // of a group, and of all groups
+constexpr std::size_t k_places = 256, k_least_places = 8, k_places_in_all = 1024;   // of a group, and of all groups
 constexpr std::size_t k_rays = 8;                                                  // of a place
-constexpr double k_golden_angle = 2.399963229728653;                               // radians
+constexpr float k_same_facing = 0.5f;                                              // cosine: of a place for a point
+constexpr float k_least_bounce = 1e-3f;                                            // of the first, the last that counts
+constexpr int k_most_bounces = 64;
+constexpr float k_most_albedo = 0.98f;
+constexpr double k_golden_angle = 2.399963229728653;   // radians
 // Steps of a sequence that fills the unit square evenly [Roberts 2018].
 constexpr double k_step_u = 0.7548776662466927, k_step_v = 0.5698402909980532;
 // A mesh whose areas, as vectors, sum up to less than this fraction of its area is taken to be closed.
@@ -127,6 +131,8 @@ void DynamicReflection::add_places(const scene::SceneState& state, const ray::Ra
         reflectors_.push_back({object, position, normal, position + ray::origin_lift(p) * normal, glm::vec3(0),
                                weight * place.share * static_cast<float>(area_of(p)), k});
         albedo_.push_back(lighting::albedo(state.scene(), geometry, place.triangle, place.u, place.v));
+        reflected_.push_back(
+            lighting::exitance_per_irradiance(state.scene(), geometry, place.triangle, place.u, place.v));
     }
 }
 
@@ -134,11 +140,17 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
     const scene::SceneState& state, const ray::RayScene& rays, std::span<const std::vector<scene::ObjectId>> groups,
     const Light& light)
 {
-    reflectors_.clear(), albedo_.clear();
-    if (groups.empty() || (light.exitance.empty() && !light.surroundings.any() && light.emission.empty())) return {};
+    reflectors_.clear(), albedo_.clear(), reflected_.clear();
+    if (groups.empty() ||
+        (light.exitance.empty() && !light.surroundings.any() && light.emission.empty() && light.further == 0))
+        return {};
     surfaces_.resize(state.scene().objects.size());
+    group_of_.assign(state.scene().objects.size(), scene::none);
+    first_of_group_.clear();
     const std::size_t of_group = std::clamp(k_places_in_all / groups.size(), k_least_places, k_places);
     for (const std::vector<scene::ObjectId>& group : groups) {
+        for (const scene::ObjectId o : group) group_of_[o] = static_cast<std::uint32_t>(first_of_group_.size());
+        first_of_group_.push_back(static_cast<std::uint32_t>(reflectors_.size()));
         // Divide the group's places by the objects' areas.
         std::vector<Measured> areas;
         double all = 0;
@@ -164,9 +176,15 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
             add_places(state, rays, o, surface.places, 1);
         }
     }
+    first_of_group_.push_back(static_cast<std::uint32_t>(reflectors_.size()));
     irradiance_.assign(reflectors_.size(), glm::vec3(0));
+    links_.clear();
     light_by_patches(state, rays, light);
     light_by_emission(rays, light);
+    if (!links_.empty()) {
+        light_by_points(state, rays);
+        bounce_between(light.further);
+    }
     for (std::size_t k = 0; k < reflectors_.size(); ++k)
         reflectors_[k].flux = reflectors_[k].area * albedo_[k] * irradiance_[k];
     // Sums over them must not depend on the objects' numbers, which a host that adds and removes objects changes.
@@ -181,7 +199,7 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
 // Adds what patches and the surroundings bring.
 void DynamicReflection::light_by_patches(const scene::SceneState& state, const ray::RayScene& rays, const Light& light)
 {
-    if (light.exitance.empty() && !light.surroundings.any()) return;
+    if (light.exitance.empty() && !light.surroundings.any() && light.further == 0) return;
     interruption_point();
     rays_.clear();
     for (const Reflector& from : reflectors_) {
@@ -201,11 +219,101 @@ void DynamicReflection::light_by_patches(const scene::SceneState& state, const r
         if (rays_.leaves(r)) {
             if (light.surroundings.any())
                 arrives = static_cast<float>(k_pi) * light.surroundings.radiance(rays_.direction(r));
+        } else if (state.is_dynamic(rays_.object(r))) {
+            if (light.further == 0) continue;
+            const auto from = static_cast<std::uint32_t>(r / k_rays);
+            const std::uint32_t to = nearest_place(rays_.object(r), rays_.end(rays, r));
+            if (to != scene::none) links_.push_back({from, to, k_weight * (passes.empty() ? glm::vec3(1) : passes[r])});
+            continue;
         } else if (!light.exitance.empty()) {
             const PatchId met = rays_.patch(light.patches, rays, r);
             if (met != k_no_patch) arrives = light.exitance[met];
         }
         irradiance_[r / k_rays] += k_weight * (passes.empty() ? arrives : arrives * passes[r]);
+    }
+}
+
+// The place that stands for a point of a dynamic object: the nearest of its group that faces the same way.
+std::uint32_t DynamicReflection::nearest_place(scene::ObjectId object, const PatchRays::End& at) const
+{
+    const std::uint32_t group = group_of_[object];
+    if (group == scene::none) return scene::none;
+    // Of equally near places, take one that does not depend on the objects' numbers.
+    const auto key = [&](std::uint32_t k) {
+        const Reflector& r = reflectors_[k];
+        return std::tuple(r.position.x, r.position.y, r.position.z, r.normal.x, r.normal.y, r.normal.z);
+    };
+    std::uint32_t nearest = scene::none;
+    float least = k_infinity;
+    for (std::uint32_t k = first_of_group_[group]; k < first_of_group_[group + 1]; ++k) {
+        if (!(glm::dot(reflectors_[k].normal, at.normal) > k_same_facing)) continue;
+        const glm::vec3 way = reflectors_[k].position - at.position;
+        const float square = glm::dot(way, way);
+        if (square < least || (square == least && nearest != scene::none && key(k) < key(nearest)))
+            least = square, nearest = k;
+    }
+    return nearest;
+}
+
+// Finds what lights without size bring to the places that others see. What these reflect of it themselves is in the
+// light maps.
+void DynamicReflection::light_by_points(const scene::SceneState& state, const ray::RayScene& rays)
+{
+    interruption_point();
+    of_points_.assign(reflectors_.size(), glm::vec3(0));
+    std::vector<char> seen(reflectors_.size(), 0);
+    for (const Link& link : links_) seen[link.to] = 1;
+    ray::RayQueue queue;
+    queue.purpose = ray::RayClass::indirect;
+    std::vector<std::pair<std::uint32_t, glm::vec3>> arriving;   // by ray: reflector, exitance
+    const scene::Scene& scene = state.scene();
+    for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
+        if (scene.lights[l].of_surface || scene.lights[l].of_environment || !state.light(l).visible) continue;
+        for (std::uint32_t k = 0; k < reflectors_.size(); ++k) {
+            if (!seen[k]) continue;
+            const Reflector& to = reflectors_[k];
+            const scene::LightSample sample = scene::illuminate(scene.lights[l], state.light(l), to.sample);
+            const float cosine = glm::dot(sample.to_light, to.normal);
+            if (!(cosine > 0) || sample.irradiance == glm::vec3(0)) continue;
+            const bool far = !std::isfinite(sample.distance);
+            queue.push(to.sample, 0, far ? sample.to_light : sample.distance * sample.to_light,
+                       far ? k_infinity : ray::k_shadow_ray_end);
+            arriving.emplace_back(k, reflected_[k] * cosine * sample.irradiance);
+        }
+    }
+    if (queue.empty()) return;
+    std::vector<std::uint8_t> occluded(queue.size() + ray::k_packet_pad);
+    rays.occluded(queue, 0, queue.size(), occluded.data());
+    std::vector<glm::vec3> passes(rays.thins_light() ? queue.size() : 0);
+    if (!passes.empty()) rays.let_through(queue, 0, queue.size(), passes.data(), ray::Against::everything);
+    for (std::size_t r = 0; r < arriving.size(); ++r)
+        if (!occluded[r])
+            of_points_[arriving[r].first] += passes.empty() ? arriving[r].second : arriving[r].second * passes[r];
+}
+
+// Adds what the places bring to each other, bounce by bounce.
+void DynamicReflection::bounce_between(int most)
+{
+    const std::size_t count = reflectors_.size();
+    // The brightest place: a maximum does not depend on the order of the places.
+    const auto brightest = [](const std::vector<glm::vec3>& light) {
+        float most_light = 0;
+        for (const glm::vec3& of : light) most_light = std::max(most_light, luminance(of));
+        return most_light;
+    };
+    std::vector<glm::vec3> last(count), next(count);
+    for (std::size_t k = 0; k < count; ++k)
+        last[k] = glm::min(albedo_[k], glm::vec3(k_most_albedo)) * irradiance_[k] + of_points_[k];
+    const float enough = k_least_bounce * brightest(last);
+    for (int bounce = 0; bounce < std::min(most, k_most_bounces); ++bounce) {
+        std::fill(next.begin(), next.end(), glm::vec3(0));
+        for (const Link& link : links_) next[link.from] += link.weight * last[link.to];
+        for (std::size_t k = 0; k < count; ++k) {
+            irradiance_[k] += next[k];
+            next[k] *= glm::min(albedo_[k], glm::vec3(k_most_albedo));
+        }
+        last.swap(next);
+        if (!(brightest(last) > enough)) break;
     }
 }
 

@@ -5,12 +5,13 @@
 //
 // Some places of the objects that move together, at equal steps of area, stand for their surface. In a frame in which
 // anything moves, each casts 8 rays; one that leaves the scene brings the light of the sky or of the environment image,
-// and one that ends on a patch what that patch reflects. Emissive surfaces add their closed form where one ray past
-// everything reaches them, at another of their places for each place. Light that one dynamic object would reflect to
-// another is left out.
+// one that ends on a patch what that patch reflects, and one that ends on a dynamic object what the nearest place there
+// reflects, of lights without size as well; light bounces on between the places until a bounce brings less than a
+// thousandth. Emissive surfaces add their closed form where one ray past everything reaches them, at another of their
+// places for each place. Light that bounces from a dynamic object to a patch and back is left out.
 //
-// The result is a function of the present state. Cost: 8 rays and one for each emissive surface, for each place, of
-// which there are 64 of objects that move together and 1,024 of all, but at least one of each object. Of more than
+// The result is a function of the present state. Cost: 8 rays and one for each light, for each place, of
+// which there are 256 of objects that move together and 1,024 of all, but at least one of each object. Of more than
 // 1,024 objects that move together, 1,024 at most stand for all.
 
 #include <vector>
@@ -38,6 +39,7 @@ class DynamicReflection {
         std::span<const glm::vec3> exitance;   // of the patches, radiant; empty: none
         const Surroundings& surroundings;
         const scene::SizedLights& emission;
+        int further = 0;   // bounces from one dynamic object to another, at most
     };
 
     /// Finds what dynamic objects reflect now. Neither the result nor its order depends on the objects' numbers.
@@ -84,10 +86,22 @@ class DynamicReflection {
                     const std::vector<Place>& places, float weight);
     void light_by_patches(const scene::SceneState& state, const ray::RayScene& rays, const Light& light);
     void light_by_emission(const ray::RayScene& rays, const Light& light);
+    std::uint32_t nearest_place(scene::ObjectId object, const PatchRays::End& at) const;
+    void light_by_points(const scene::SceneState& state, const ray::RayScene& rays);
+    void bounce_between(int most);
 
     std::vector<Surface> surfaces_;   // by object
     std::vector<Reflector> reflectors_;
     std::vector<glm::vec3> irradiance_, albedo_;   // by reflector
+    std::vector<glm::vec3> reflected_;             // exitance by irradiance of lights without size, likewise
+    std::vector<glm::vec3> of_points_;             // exitance by lights without size
+    // A ray from one reflector to a dynamic object.
+    struct Link {
+        std::uint32_t from, to;
+        glm::vec3 weight;
+    };
+    std::vector<Link> links_;
+    std::vector<std::uint32_t> group_of_, first_of_group_;   // by object; the reflectors of each group, and the end
     PatchRays rays_;
 };
 

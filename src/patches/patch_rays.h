@@ -31,6 +31,15 @@ class PatchRays {
     float distance(std::size_t r) const { return hits_.t[r]; }
     /// The object that a ray ends on. @pre traced, and it does not leave the scene
     scene::ObjectId object(std::size_t r) const { return hits_.object[r]; }
+    /// Where a ray ends, and the normal there of the side that it meets. @pre traced, and it does not leave the scene
+    struct End {
+        glm::vec3 position, normal;
+    };
+    End end(const ray::RayScene& rays, std::size_t r) const
+    {
+        const Surface at = surface(rays, r);
+        return {at.position, glm::dot(at.normal, rays_.direction(r)) < 0 ? at.normal : -at.normal};
+    }
     /// The patch that a ray ends on, if any. @pre traced, and it does not leave the scene
     PatchId patch(const SurfacePatches& patches, const ray::RayScene& rays, std::size_t r) const;
     /// Finds the part of light that passes along each ray, up to where it ends. @pre traced

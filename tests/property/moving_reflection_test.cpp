@@ -5,6 +5,7 @@
 
 #include <cstdio>
 #include <numbers>
+#include <utility>
 
 #include "base/bits.h"
 #include "gnomon/gnomon.h"
@@ -113,6 +114,35 @@ TEST_P(MovingReflection, LightsTheFloorAsInTheReference)
     EXPECT_NEAR(cached.x, truth.x, closeness * truth.x);
     EXPECT_NEAR(cached.y, truth.y, closeness * truth.y);
     EXPECT_NEAR(without.x, truth_without.x, closeness * truth_without.x);
+}
+
+// A court under the sky whose floor or walls may move is as bright as one that stands still: light bounces between
+// dynamic objects, and they keep the sky from what lights them.
+TEST(MovingCourt, IsAsBrightAsTheReferenceSays)
+{
+    for (const auto& [of_floor, of_walls] :
+         {std::pair(Mobility::may_move, Mobility::may_move), std::pair(Mobility::fixed, Mobility::may_move)}) {
+        SceneBuilder builder;
+        const MeshId square = builder.mesh({.positions = k_square, .indices = k_up});
+        const MaterialId grey = builder.material(matte({0.7f, 0.7f, 0.7f}));
+        builder.instance(square, grey, Transform::scaling(4, 1, 4), {.mobility = of_floor});
+        const Transform upright =
+            Transform::translation(0, 1, -2) * Transform::rotation({1, 0, 0}, k_pi / 2) * Transform::scaling(4, 1, 2);
+        for (const double turn : {0.0, 0.5 * k_pi, -0.5 * k_pi})
+            builder.instance(square, grey, Transform::rotation({0, 1, 0}, turn) * upright, {.mobility = of_walls});
+        builder.environment({.width = 16, .height = 8, .pixels = std::vector(16 * 8 * 3, 1.0f)});
+        Camera camera;
+        camera.transform = Transform::look_at({0, 1, 4}, {0, 0.5f, -2});
+        camera.vertical_fov = 0.4f;
+        builder.camera(camera);
+        const Scene scene = builder.finish();
+        RenderOptions options = options_of(32);
+        const Vec3 cached = floor_of(Renderer(options).render(scene, 1));
+        options.reference = ReferenceLightOptions{.spp = 256, .bounces = 32};
+        const Vec3 truth = floor_of(Renderer(options).render(scene, 1));
+        std::printf("court: %.4f, reference %.4f\n", static_cast<double>(cached.x), static_cast<double>(truth.x));
+        EXPECT_NEAR(cached.x, truth.x, 0.06f * truth.x);
+    }
 }
 
 // A frame does not depend on where the board was before.

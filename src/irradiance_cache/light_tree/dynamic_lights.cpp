@@ -41,7 +41,7 @@ class Octants {
     }
 
  private:
-    static constexpr int k_most_divisions = 4;
+    static constexpr int k_most_divisions = 6;
 
     // Means weighted by flux, and the surface nearest to the mean position as the sample.
     DynamicVirtualLight sum(std::span<std::uint32_t> some, int level)
@@ -194,8 +194,10 @@ void LightTree::gather_dynamic()
     std::vector<DynamicVirtualLight> others;
     Octants of_others(others, dynamic_halves_);
     const std::vector<glm::vec3> exitance = patches_->exitance_now(lost_);
-    for (const patches::DynamicReflection::Reflector& r : reflection_.gather(
-             *state_, *rays_, dynamic_groups_, {patches_->patches(), exitance, patches_->surroundings(), sized_}))
+    for (const patches::DynamicReflection::Reflector& r :
+         reflection_.gather(*state_, *rays_, dynamic_groups_,
+                            {patches_->patches(), exitance, patches_->surroundings(), sized_,
+                             std::max(patches_->bounce_count() - 1, 0)}))
         of_others.add({owner_of(r.object), r.position, r.normal, r.sample, r.flux, r.area});
     of_others.finish();
     keep_brightest(others, options_.dynamic_lights);

@@ -159,7 +159,10 @@ void LightTree::build(Tasks& tasks)
 // Finds what dynamic objects occlude and reflect now.
 void LightTree::follow_light(Tasks& tasks)
 {
-    if (patches_) lost_ = lit_patches(true);
+    if (patches_) {
+        lost_ = lit_patches(true);
+        block_patches(tasks);
+    }
     gather_dynamic();
     receive_dynamic(tasks);
     light_patches_now(tasks);

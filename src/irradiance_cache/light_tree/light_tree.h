@@ -222,6 +222,7 @@ class LightTree {
     std::vector<glm::vec3> lit_patches(bool lost_only) const;
     void light_patches(Tasks& tasks);
     void follow_light(Tasks& tasks);
+    void block_patches(Tasks& tasks);
     void light_patches_now(Tasks& tasks);
     void sum_children(Flux& flux, NodeId id) const;
     static NodeId first_of_level(const View& view, int level)

@@ -162,25 +162,28 @@ std::vector<glm::vec3> PatchLight::exitance_now(std::span<const glm::vec3> lost)
 {
     std::vector<glm::vec3> exitance = static_exitance_;
     for (std::size_t p = 0; p < exitance.size(); ++p) {
-        exitance[p] += albedo_[p] * (emission_.irradiance()[p] - emission_.static_irradiance()[p]) - lost[p] / area_[p];
+        exitance[p] += albedo_[p] * (emission_.irradiance()[p] - emission_.static_irradiance()[p] - blocked_[p]) -
+                       lost[p] / area_[p];
         exitance[p] = glm::max(exitance[p], glm::vec3(0));
     }
     return exitance;
 }
 
-void PatchLight::light_now(std::span<const glm::vec3> lost, std::span<const glm::vec3> received,
-                           const scene::SceneState& state, const ray::RayScene& rays,
-                           std::span<const patches::BoundingSphere> spheres, Tasks& tasks)
+void PatchLight::find_blocked(const scene::SceneState& state, const ray::RayScene& rays,
+                              std::span<const patches::BoundingSphere> spheres, Tasks& tasks)
+{
+    blocked_ = patches::blocked_links(patches_, links_, state, rays, surroundings_, spheres, static_exitance_, tasks);
+}
+
+void PatchLight::light_now(std::span<const glm::vec3> lost, std::span<const glm::vec3> received, Tasks& tasks)
 {
     const std::size_t count = area_.size();
-    const std::vector<glm::vec3> blocked =
-        patches::blocked_links(patches_, links_, state, rays, surroundings_, spheres, static_exitance_, tasks);
     std::vector<glm::vec3> difference(count);
     bool any = false;
     for (std::size_t p = 0; p < count; ++p) {
         difference[p] = albedo_[p] * (emission_.irradiance()[p] - emission_.static_irradiance()[p]);
         if (!received.empty()) difference[p] += albedo_[p] * received[p];
-        difference[p] -= albedo_[p] * blocked[p];
+        difference[p] -= albedo_[p] * blocked_[p];
         any = any || difference[p] != glm::vec3(0);
     }
     if (!any && std::all_of(lost.begin(), lost.end(), [](const glm::vec3& v) { return v == glm::vec3(0); })) {
@@ -202,7 +205,7 @@ std::size_t PatchLight::bytes() const
 {
     return patches_.bytes() + links_.bytes() + emission_.bytes() + tree_.children.size() * 3 * sizeof(std::uint32_t) +
            area_.size() * (sizeof(float) + sizeof(std::uint32_t) + 3 * sizeof(glm::vec3)) +
-           static_exitance_.size() * sizeof(glm::vec3);
+           (static_exitance_.size() + blocked_.size()) * sizeof(glm::vec3);
 }
 
 }   // namespace gnomon::irradiance_cache

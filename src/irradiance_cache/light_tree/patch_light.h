@@ -50,6 +50,7 @@ class PatchLight {
     }
     /// Whether light maps must say where they are lit.
     bool bounces() const { return options_.bounces > 1; }
+    int bounce_count() const { return options_.bounces; }
     const patches::SurfacePatches& patches() const { return patches_; }
     const PatchTree& tree() const { return tree_; }
     /// The radius of the widest patch below each node of the tree, of those whose surface is uneven: its parts may see
@@ -65,13 +66,15 @@ class PatchLight {
     /// Finds the light without dynamic objects.
     /// @param lit  radiant flux of the light maps' leaves, by patch
     void light_static(std::span<const glm::vec3> lit, Tasks& tasks);
+    /// Finds what dynamic objects keep from the patches in this frame. Call before the two functions below.
+    /// @param spheres   around dynamic objects, which may come between patches
+    void find_blocked(const scene::SceneState& state, const ray::RayScene& rays,
+                      std::span<const patches::BoundingSphere> spheres, Tasks& tasks);
     /// Finds the light of this frame.
     /// @param lost      of that flux, what dynamic objects occlude
     /// @param received  irradiance by patch that dynamic objects reflect to it; empty: none
-    /// @param spheres   around dynamic objects, which may come between patches
-    void light_now(std::span<const glm::vec3> lost, std::span<const glm::vec3> received, const scene::SceneState& state,
-                   const ray::RayScene& rays, std::span<const patches::BoundingSphere> spheres, Tasks& tasks);
-    /// Radiant exitance by patch that lights dynamic objects: of static light, past what they occlude directly. Empty
+    void light_now(std::span<const glm::vec3> lost, std::span<const glm::vec3> received, Tasks& tasks);
+    /// Radiant exitance by patch that lights dynamic objects: of static light, past what they occlude and block. Empty
     /// if light bounces once.
     std::vector<glm::vec3> exitance_now(std::span<const glm::vec3> lost) const;
     const patches::Surroundings& surroundings() const { return surroundings_; }
@@ -102,6 +105,7 @@ class PatchLight {
     std::vector<float> area_;
     double all_ = 0;   // the flux of all static light
     std::vector<glm::vec3> static_flux_, flux_;
+    std::vector<glm::vec3> blocked_;           // irradiance that dynamic objects keep from the patches
     std::vector<glm::vec3> static_exitance_;   // that may bounce on, of light maps' leaves as well
     bool differs_ = false;
 };

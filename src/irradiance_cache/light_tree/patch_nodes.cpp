@@ -144,11 +144,9 @@ void LightTree::light_patches(Tasks& tasks)
     patches_changed_ = true;
 }
 
-// Follows what dynamic objects occlude and reflect now.
-void LightTree::light_patches_now(Tasks& tasks)
+// Finds what dynamic objects keep from the patches now.
+void LightTree::block_patches(Tasks& tasks)
 {
-    if (!patches_) return;
-    const bool before = patches_->differs();
     std::vector<patches::BoundingSphere> spheres;
     for (const auto* groups : {&dynamic_groups_, &thin_groups_})
         for (const std::vector<scene::ObjectId>& group : *groups) {
@@ -158,7 +156,15 @@ void LightTree::light_patches_now(Tasks& tasks)
                     add_moved(casters_.box(o), state_->object_matrix(o), box);
             if (!box.empty()) spheres.push_back(sphere_around(box));
         }
-    patches_->light_now(lost_, received_, *state_, *rays_, spheres, tasks);
+    patches_->find_blocked(*state_, *rays_, spheres, tasks);
+}
+
+// Follows what dynamic objects occlude and reflect now.
+void LightTree::light_patches_now(Tasks& tasks)
+{
+    if (!patches_) return;
+    const bool before = patches_->differs();
+    patches_->light_now(lost_, received_, tasks);
     if (!before && !patches_->differs()) return;
     const PatchTree& tree = patches_->tree();
     const std::size_t count = tree.children.size();
