@@ -65,7 +65,7 @@ void PointTracer::follow(const scene::SceneState& state, const ray::RayScene& ra
         if (hits_.object[i] == scene::none) continue;
         Continued& here = shaded_.emplace_back();
         here.throughput = paths_[i].throughput;
-        here.pixel = paths_[i].pixel;
+        here.pixel = paths_[i].pixel, here.splits = paths_[i].splits;
         shading::SurfacePoint& s = here.surface;
         shading::surface_at(state.scene(), rays.geometry(hits_.object[i]), hits_.triangle[i], hits_.u[i], hits_.v[i],
                             hits_.t[i], queue_.direction(i), paths_[i].cone, s);
@@ -87,21 +87,27 @@ void PointTracer::queue_continuations()
     const float min_throughput = trace::TracedOptions{}.min_throughput;
     queue_.clear();
     paths_.clear();
-    const auto push = [&](const Continued& from, const glm::vec3& weight, float side, const glm::vec3& direction) {
+    const auto push = [&](const Continued& from, const glm::vec3& weight, float side, const glm::vec3& direction,
+                          std::uint8_t splits) {
         const shading::SurfacePoint& s = from.surface;
         const glm::vec3 total = from.throughput * weight;
         if (std::max({total.x, total.y, total.z}) < min_throughput) return;
         queue_.push(s.position + side * (s.offset * s.geometric_normal), 0, direction, k_infinity);
-        paths_.push_back({total, s.cone, from.pixel});
+        paths_.push_back({total, s.cone, from.pixel, splits});
     };
     std::vector<shading::Continuation> next;
     next.reserve(shaded_.size());
-    for (const Continued& point : shaded_) next.push_back(shading::continue_from(point.surface));
-    for (std::size_t i = 0; i < shaded_.size(); ++i) push(shaded_[i], next[i].reflected_weight, 1, next[i].reflected);
+    for (Continued& point : shaded_) {
+        shading::Continuation& c = next.emplace_back(shading::continue_from(point.surface));
+        point.next =
+            trace::split_path(point.throughput, min_throughput, point.splits, c.reflected_weight, c.refracted_weight);
+    }
+    for (std::size_t i = 0; i < shaded_.size(); ++i)
+        push(shaded_[i], next[i].reflected_weight, 1, next[i].reflected, shaded_[i].next.reflected);
     reflected_ = queue_.size();
     for (std::size_t i = 0; i < shaded_.size(); ++i) {
-        push(shaded_[i], next[i].refracted_weight, -1, next[i].refracted);
-        push(shaded_[i], next[i].straight_weight, -1, -shaded_[i].surface.to_viewer);
+        push(shaded_[i], next[i].refracted_weight, -1, next[i].refracted, shaded_[i].next.refracted);
+        push(shaded_[i], next[i].straight_weight, -1, -shaded_[i].surface.to_viewer, shaded_[i].splits);
     }
     refracted_ = queue_.size() - reflected_;
 }

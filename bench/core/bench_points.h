@@ -12,6 +12,7 @@
 #include "scene/view.h"
 #include "shading/shading.h"
 #include "shadow_culling/certified/certified_culling.h"
+#include "trace/path_splits.h"
 
 namespace gnomon::bench {
 
@@ -49,11 +50,14 @@ class PointTracer {
         glm::vec3 throughput;
         shading::RayCone cone;
         std::uint32_t pixel;
+        std::uint8_t splits = 0;
     };
     struct Continued {
         shading::SurfacePoint surface;
         glm::vec3 throughput;
         std::uint32_t pixel;
+        std::uint8_t splits = 0;
+        trace::PathSplits next;   // of the rays that continue from it
     };
     void queue_primary(const scene::View& view, int x0, int y0);
     void follow(const scene::SceneState& state, const ray::RayScene& rays, bool primary, BenchPoints& out);

@@ -4,6 +4,36 @@
 
 namespace gnomon::environment_light {
 
+namespace {
+
+// A point that sees less than this fraction of the light above it sees little: a cell is much of its light.
+constexpr float k_dim = 1 / 4.0f;
+
+}   // namespace
+
+// Decides the cells of coarse points. Those that see little then count as others, which decide all of their cells.
+void CellVisibility::decide_coarse(Query& query) const
+{
+    Scratch& scratch = query.scratch;
+    const auto for_each_point = [&](const auto& body) {
+        for (std::size_t k = 0; k < query.count(); ++k)
+            if (query.coarse(k)) body(k);
+    };
+    for_each_point([&](std::size_t k) {
+        const auto above = query.of(scratch.above, k), wanted = query.of(scratch.wanted, k);
+        for (std::size_t w = 0; w < above.size(); ++w) wanted[w] = above[w] & cells_.stand_ins()[w];
+    });
+    decide_wanted(query, 0);
+    for_each_point([&](std::size_t k) { follow_stand_ins(query, k); });
+    decide_wanted(query, 0);
+    for_each_point([&](std::size_t k) {
+        if (!query.guides[k].unless_dark) return;
+        const glm::vec3& normal = query.point(k).normal;
+        if (light_of(query.seen.of(k), normal) < k_dim * light_of(query.of(scratch.above, k), normal))
+            query.is_coarse[k] = 0;
+    });
+}
+
 // Takes each cell to be as the one that stands in for it, and wants it where that lies below the surface.
 void CellVisibility::follow_stand_ins(const Query& query, std::size_t k) const
 {

@@ -13,8 +13,17 @@ namespace {
 using visibility::ShadowPoint;
 using visibility::TriangleId;
 
-// Probes: one cell of 16, another one for each point of a block.
-constexpr std::uint32_t k_probe_step = 16;
+// Probes: one cell of 64, others for each point of a block and for blocks next to each other. A window or an occluder
+// that is smaller than the distance of guides and shows in a few cells alone brings or takes a few percent of the
+// light.
+constexpr std::uint32_t k_probe_step = 64;
+
+// Which of the sets of probes a point has.
+std::uint32_t probes_of(const Guides& guides)
+{
+    return (guides.block * 16 + guides.number) * 0x9e3779b1u >> 26;
+}
+static_assert(k_probe_step == 1 << (32 - 26));
 
 }   // namespace
 
@@ -134,8 +143,11 @@ void CellVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points,
     scratch.glimpses.clear();
     scratch.small_windows = false;
     scratch.counters.points += asked.size();
-    const Query query{scratch, points, asked, guides, seen};
+    Query query{scratch, points, asked, guides, seen};
+    if (!cells_.families().empty() && std::ranges::any_of(guides, &Guides::coarse))
+        for (const Guides& guide : guides) query.is_coarse.push_back(guide.coarse ? 1 : 0);
     look_up(query, memory);
+    if (!query.is_coarse.empty()) decide_coarse(query);
     decide_alone(query);
     divide(query, 0);
     int passes = 0;
@@ -221,7 +233,7 @@ void CellVisibility::decide_alone(const Query& query) const
 {
     Scratch& scratch = query.scratch;
     for (std::size_t k = 0; k < query.count(); ++k) {
-        if (query.pass(k) != 0) continue;
+        if (query.pass(k) != 0 || query.coarse(k)) continue;
         const auto above = query.of(scratch.above, k), wanted = query.of(scratch.wanted, k);
         std::copy(above.begin(), above.end(), wanted.begin());
     }
@@ -241,10 +253,7 @@ void CellVisibility::decide(const Query& query, int pass) const
         if (query.pass(k) != pass) continue;
         const auto wanted = query.of(scratch.wanted, k), following = query.of(scratch.following, k),
                    above = query.of(scratch.above, k);
-        if (by_families && query.coarse(k)) {
-            for (std::size_t w = 0; w < words; ++w) wanted[w] &= cells_.stand_ins()[w];
-            continue;
-        }
+        if (query.coarse(k)) continue;
         for (const LeafGroup& group : cells_.groups()) {
             // If one of its leaves is wanted, all scouts are.
             bool any = false;
@@ -262,10 +271,7 @@ void CellVisibility::decide(const Query& query, int pass) const
     decide_wanted(query, pass);
     for (std::size_t k = 0; k < query.count(); ++k) {
         if (query.pass(k) != pass) continue;
-        if (by_families && query.coarse(k)) {
-            follow_stand_ins(query, k);
-            continue;
-        }
+        if (query.coarse(k)) continue;
         follow_groups(query, k);
         if (by_families) follow_families(query, k);
     }
@@ -340,7 +346,7 @@ void CellVisibility::decide_guided(const Query& query, int pass) const
         const auto above = query.of(scratch.above, k), wanted = query.of(scratch.wanted, k),
                    agreed = query.of(scratch.agreed, k);
         const auto mask = query.seen.of(k);
-        const std::uint64_t* probes = probes_.data() + guide.number * 5 % k_probe_step * words;
+        const std::uint64_t* probes = probes_.data() + probes_of(guide) * words;
         const auto between = query.of(scratch.between, k);
         for (std::size_t w = 0; w < words; ++w) {
             std::uint64_t all_see = ~std::uint64_t{0}, none_sees = ~std::uint64_t{0}, above_all = ~std::uint64_t{0};
@@ -562,7 +568,7 @@ void CellVisibility::test_dynamic(const Query& query) const
         for (const std::uint32_t b : block) {
             for (std::size_t w = 0; w < words; ++w)
                 scratch.wanted[b * words + w] = query.seen.of(b)[w] & scratch.affected[w];
-            if (query.coarse(b) && !cells_.families().empty())
+            if (query.coarse(b))
                 leave_stand_ins(query, b);
             else
                 divide_affected(query, b);
@@ -574,7 +580,7 @@ void CellVisibility::test_dynamic(const Query& query) const
     }
     flush(query, ray::Against::dynamic_only, false, scratch.counters.dynamic_rays);
     for (std::size_t k = 0; k < query.count(); ++k)
-        if (scratch.asked[k].is_static && query.coarse(k) && !cells_.families().empty()) follow_hidden(query, k);
+        if (scratch.asked[k].is_static && query.coarse(k)) follow_hidden(query, k);
     take_dynamic_parts(query);
 }
 

@@ -72,7 +72,8 @@ struct Guides {
     std::uint8_t pass = 0;                   // 0: none; its guides have a lower number
     std::uint32_t block = 0;    // points among the same guides have the same number, other passes other numbers
     std::uint32_t number = 0;   // of the point within the block
-    bool coarse = false;        // without guides: rays go to stand-ins (DirectionCells::stand_ins()) alone
+    bool coarse = false;        // without guides: rays go to stand-ins (DirectionCells::stand_ins()) alone;
+    bool unless_dark = false;   // but not where these see little of the light above
 };
 
 /// The static scene and the boxes of what moves; shared by several sets of cells.
@@ -194,6 +195,7 @@ class CellVisibility {
     void decide_alone(const Query& query) const;
     void decide_guided(const Query& query, int pass) const;
     void decide(const Query& query, int pass) const;
+    void decide_coarse(Query& query) const;
     void follow_stand_ins(const Query& query, std::size_t k) const;
     void follow_groups(const Query& query, std::size_t k) const;
     void follow_families(const Query& query, std::size_t k) const;

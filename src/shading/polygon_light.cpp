@@ -232,12 +232,7 @@ UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light
     // Sum a distant light of many polygons over its places.
     const std::size_t polygons = std::max(light.faces.size(), light.cell_radiance.size());
     if (polygons > light.places.size() && glm::length(to_centre) > options.far * light.radius) {
-        const PlaceWeights weights(s, light, lobe != nullptr, 0);
-        UnshadowedLight sum;
-        glm::vec3 irradiance(0), reflected(0);
-        for (const scene::SizedPlace& place : light.places)
-            if (weights.at(place, irradiance, reflected)) sum.irradiance += irradiance, sum.lobe += reflected;
-        return sum;
+        return unshadowed_by_places(s, light, light.places, lobe != nullptr);
     }
 
     std::optional<Sum> sum;
@@ -259,6 +254,17 @@ UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light
             }
     }
     return sum ? sum->result() : UnshadowedLight{};
+}
+
+UnshadowedLight unshadowed_by_places(const SurfacePoint& s, const scene::SizedLight& light,
+                                     std::span<const scene::SizedPlace> places, bool lobe)
+{
+    const PlaceWeights weights(s, light, lobe, 0);
+    UnshadowedLight sum;
+    glm::vec3 irradiance(0), reflected(0);
+    for (const scene::SizedPlace& place : places)
+        if (weights.at(place, irradiance, reflected)) sum.irradiance += irradiance, sum.lobe += reflected;
+    return sum;
 }
 
 VisibleShare visible_share(const SurfacePoint& s, const scene::SizedLight& light,

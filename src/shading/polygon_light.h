@@ -51,6 +51,11 @@ UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light
 UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light, bool lobe,
                            const PolygonLightOptions& options = {});
 
+/// The same as the sum over some places of the light, each with its area: for light from afar, and lobes that are wide
+/// beside the distances of the places.
+UnshadowedLight unshadowed_by_places(const SurfacePoint& s, const scene::SizedLight& light,
+                                     std::span<const scene::SizedPlace> places, bool lobe);
+
 /// How much of a light's contributions is left if only some of its places are visible.
 struct VisibleShare {
     glm::vec3 irradiance{0}, lobe{0};   // fractions, 0 to 1

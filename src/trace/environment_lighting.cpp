@@ -25,8 +25,9 @@ constexpr float k_least_cosine = 0.1f;      // of the view, for that width
 constexpr std::uint32_t k_between = 0xffffffff;
 constexpr int k_passes = 2;                   // of points with guides
 constexpr float k_passes_alike = 1 / 64.0f;   // difference of what surfaces let through, up to which it is interpolated
-// Of a path, times the share of the pixel: up to here, a point that no others guide and that guides none is answered
-// coarsely. A cell that is wrong is a hundredth of its light, times this.
+// Of a path, times the share of the pixel: up to here, a point in mirrors and glass that no others guide and that
+// guides none is answered coarsely, and so is every such point that the camera sees: it has no neighbours beside which
+// steps show. A cell that is wrong is a hundredth of its light, times this.
 constexpr float k_coarse_throughput = 0.25f;
 
 glm::vec3 interpolated(std::span<const glm::vec3> of_places, const PlaceLattice::Around& around)
@@ -197,10 +198,12 @@ void EnvironmentLighting::find_seen(const PointBatch& batch, std::size_t tile)
     }
     places_.find(batch, apart_);
     find_guides(batch, places_.own_points());
-    for (std::size_t k = 0; k < guides_.size() && (!batch.primary || batch.most_share < 1); ++k) {
+    for (std::size_t k = 0; k < guides_.size(); ++k) {
         const glm::vec3& throughput = batch.points[places_.own_points()[k]].throughput;
         const float share = batch.most_share * std::max({throughput.x, throughput.y, throughput.z});
-        guides_[k].coarse = guides_[k].pass == 0 && !guides_[k].guides && share <= k_coarse_throughput;
+        const bool alone = guides_[k].pass == 0 && !guides_[k].guides;
+        guides_[k].coarse = alone && (batch.primary || share <= k_coarse_throughput);
+        guides_[k].unless_dark = share > k_coarse_throughput;
     }
     asked_places_.resize(places_.own());
     std::iota(asked_places_.begin(), asked_places_.end(), 0u);

@@ -12,6 +12,8 @@
 //
 // Cost: a power of two of rays for each point and light, 1 for the dimmest.
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -34,6 +36,13 @@ class FewPlaces {
     /// @param arrives  luminance that the point reflects of the light if it sees all of it
     /// @param image    luminance that it reflects of the environment image; 0: it sees nothing of it
     std::size_t count(std::uint32_t light, const TilePoint& point, float arrives, float image) const;
+
+    /// Some places of a light, each with its part of the area: so many, or all if there are fewer.
+    std::span<const scene::SizedPlace> some(std::uint32_t light, std::size_t count) const
+    {
+        const auto& subsets = subsets_[light];
+        return subsets[std::min(static_cast<std::size_t>(std::bit_width(count)), subsets.size()) - 1];
+    }
 
     /// Forgets the points of the last light.
     void clear();

@@ -62,8 +62,9 @@ struct Path {
     shading::RayCone cone;
     PathEnd end = {};
     LobePath lobe = {};
-    float parts = 1;         // paths into which a rough surface split it
-    bool straight = false;   // it came from the camera without being reflected or refracted
+    float parts = 1;           // paths into which a rough surface split it
+    bool straight = false;     // it came from the camera without being reflected or refracted
+    std::uint8_t splits = 0;   // how often it took the dimmer of two rays: path_splits.h
 };
 
 /// A point to shade.
@@ -74,6 +75,7 @@ struct TilePoint {
     glm::vec3 throughput;
     float parts = 1;            // as of its path
     bool straight = false;      // see Path
+    std::uint8_t splits = 0;    // likewise
     bool behind = false;        // its light counts as what lies behind the scene: TracedOptions::backdrop_apart
     bool glossy = false;        // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
     bool coat_glossy = false;   // likewise, of its coat's lobe

@@ -14,6 +14,21 @@ namespace {
 constexpr float k_sharp_roughness = 0.05f;     // up to here, reflected rays show lights
 constexpr float k_blurred_roughness = 0.15f;   // from here on, lobes do
 
+constexpr std::size_t k_simple_places = 16;
+constexpr float k_simple_distance = 3;       // of a light's middle, in radii, from which on places sum it up
+constexpr float k_simple_roughness = 0.4f;   // of the surface, likewise
+
+// Whether some places of a light do for its brightness at a point, without occlusion, if it turns out to be dim there.
+bool is_simple(const shading::SurfacePoint& s, const scene::SizedLight& light, bool lobe, bool coat)
+{
+    if (coat || (lobe && s.roughness < k_simple_roughness)) return false;
+    const glm::vec3 way = light.centre - s.position;
+    const float least = k_simple_distance * light.radius;
+    if (!(glm::dot(way, way) > least * least)) return false;
+    // All of the light is above the horizons.
+    return glm::dot(way, s.smooth_normal) > light.radius && glm::dot(way, s.normal) > light.radius;
+}
+
 }   // namespace
 
 float highlight_share(const shading::SurfacePoint& s)
@@ -102,11 +117,19 @@ void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
             const shading::SurfacePoint& s = point.surface;
             const bool lobe = highlight_[p] > 0, coat = coat_highlight_[p] > 0;
             if (s.model == scene::ShadingModel::unlit || (!lobe && !coat && s.diffuse == glm::vec3(0))) continue;
-            Arriving arrives{shading::unshadowed(s, light, lobe ? &*lobes_[p] : nullptr)};
-            if (coat) arrives.coat = shading::unshadowed(shading::coat_surface(s), light, &*coat_lobes_[p]).lobe;
-            if (!arrives.any()) continue;
-            const std::size_t few =
-                image.empty() ? 0 : few_.count(l, point, luminance(reflected(batch, p, arrives)), image[p]);
+            Arriving arrives;
+            std::size_t few = 0;
+            // Of a dim light, the places to which rays go say how bright it is.
+            if (!image.empty() && image[p] > 0 && is_simple(s, light, lobe, coat)) {
+                arrives.base = shading::unshadowed_by_places(s, light, few_.some(l, k_simple_places), lobe);
+                if (arrives.any()) few = few_.count(l, point, luminance(reflected(batch, p, arrives)), image[p]);
+            }
+            if (few == 0 || few > k_simple_places) {
+                arrives = {shading::unshadowed(s, light, lobe ? &*lobes_[p] : nullptr)};
+                if (coat) arrives.coat = shading::unshadowed(shading::coat_surface(s), light, &*coat_lobes_[p]).lobe;
+                if (!arrives.any()) continue;
+                few = image.empty() ? 0 : few_.count(l, point, luminance(reflected(batch, p, arrives)), image[p]);
+            }
             if (few > 0) {
                 dim_.push_back({p, arrives});
                 few_.push(l, few, p, batch);

@@ -328,7 +328,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample, bo
         const glm::vec3 unlit_behind = point.surface.catches_shadows ? show_behind(point, direction) : glm::vec3(0);
         point.end = path.end, point.lobe = path.lobe;
         if (path.lobe.rays > 0) shading::widen_lobe(rays_.geometry(hits_.object[i]), hits_.triangle[i], point.surface);
-        point.parts = path.parts;
+        point.parts = path.parts, point.splits = path.splits;
         const shading::SurfacePoint& s = point.surface;
         if (primary && refinement_ && take_light(point, hits_.object[i], hits_.triangle[i])) {
             points_.pop_back();
@@ -596,6 +596,13 @@ bool TileTracer::stands_for_lobe(const TilePoint& point) const
     return sees_image_ && !s.layered && s.transmitted == glm::vec3(0) && highlight_share(s) > 0;
 }
 
+// Splits a path at a point, see split_path().
+PathSplits TileTracer::split(const TilePoint& point, glm::vec3& reflected, glm::vec3& refracted) const
+{
+    const float parts = std::max(point.lobe.rays, 1.0f) * point.parts;
+    return split_path(point.throughput * parts, options_.min_throughput, point.splits, reflected, refracted);
+}
+
 // Queues the mirrored and refracted rays from the points just shaded, each kind by itself.
 // @param primary  they are primary hits, the lobes of which are traced later
 void TileTracer::queue_continuations(bool primary)
@@ -607,22 +614,26 @@ void TileTracer::queue_continuations(bool primary)
         const shading::Continuation& c = point.next;
         const glm::vec3 lift = s.offset * s.geometric_normal;
         const auto queue = [&](PathQueue& to, const glm::vec3& weight, const glm::vec3& origin,
-                               const glm::vec3& direction, const PathEnd& end, bool straight = false) {
+                               const glm::vec3& direction, const PathEnd& end, std::uint8_t splits,
+                               bool straight = false) {
             const glm::vec3 throughput = point.throughput * weight;
             if (largest(throughput) * std::max(point.lobe.rays, 1.0f) * point.parts < options_.min_throughput) return;
-            to.push({point.pixel, throughput, s.cone, end, point.lobe, point.parts, straight}, origin, 0, direction,
-                    k_infinity);
+            to.push({point.pixel, throughput, s.cone, end, point.lobe, point.parts, straight, splits}, origin, 0,
+                    direction, k_infinity);
         };
         if (s.layered) {
             queue_layered(point, lift);
         } else {
             const MirroredRay ray = mirrored_ray(point);
-            queue(next_reflected_, ray.weight, s.position + lift, c.reflected,
-                  {point.glossy, sized_ ? ray.own : 1, sees_image_ ? ray.own : 1});
-            queue(next_refracted_, c.refracted_weight, s.position - lift, c.refracted, {});
+            glm::vec3 reflected = ray.weight, refracted = c.refracted_weight;
+            const PathSplits splits = split(point, reflected, refracted);
+            queue(next_reflected_, reflected, s.position + lift, c.reflected,
+                  {point.glossy, sized_ ? ray.own : 1, sees_image_ ? ray.own : 1}, splits.reflected);
+            queue(next_refracted_, refracted, s.position - lift, c.refracted, {}, splits.refracted);
         }
         // A ray that goes straight on shows what it would have shown.
-        queue(next_refracted_, c.straight_weight, s.position - lift, -s.to_viewer, point.end, point.straight);
+        queue(next_refracted_, c.straight_weight, s.position - lift, -s.to_viewer, point.end, point.splits,
+              point.straight);
         if (!primary && c.lobe_weight != glm::vec3(0)) queue_nested_lobe(point);
     }
     std::swap(reflected_, next_reflected_);
@@ -762,10 +773,12 @@ void TileTracer::queue_layered(const TilePoint& point, const glm::vec3& lift)
 {
     const shading::SurfacePoint& s = point.surface;
     const shading::Continuation& c = point.next;
-    Path path{point.pixel, point.throughput * c.reflected_weight, s.cone};
-    path.lobe = point.lobe, path.parts = point.parts;
+    glm::vec3 reflected = c.reflected_weight, refracted = c.refracted_weight;
+    const PathSplits splits = split(point, reflected, refracted);
+    Path path{point.pixel, point.throughput * reflected, s.cone};
+    path.lobe = point.lobe, path.parts = point.parts, path.splits = splits.reflected;
     if (largest(path.throughput) * path.parts >= options_.min_throughput) {
-        const float coat = std::clamp(c.coat_reflected / largest(c.reflected_weight), 0.0f, 1.0f);
+        const float coat = std::clamp(c.coat_reflected / largest(reflected), 0.0f, 1.0f);
         const auto shown = [&](bool by_lobe, bool by_coat) {
             const float base = point.glossy ? 0 : by_lobe ? 1 - highlight_share(s) : 1;
             const float of_coat = point.coat_glossy ? 0 : by_coat ? 1 - coat_highlight_share(s) : 1;
@@ -781,8 +794,8 @@ void TileTracer::queue_layered(const TilePoint& point, const glm::vec3& lift)
     }
     shading::find_transmitted(s, c, point.parts > 1, transmitted_);
     for (const shading::TransmittedRay& ray : transmitted_) {
-        Path through{point.pixel, point.throughput * c.refracted_weight * ray.part, s.cone};
-        through.lobe = point.lobe;
+        Path through{point.pixel, point.throughput * refracted * ray.part, s.cone};
+        through.lobe = point.lobe, through.splits = splits.refracted;
         through.parts = ray.spread > 0 ? point.parts * static_cast<float>(transmitted_.size()) : point.parts;
         if (largest(through.throughput) * through.parts < options_.min_throughput) continue;
         through.cone.spread += ray.spread;

@@ -11,6 +11,7 @@
 #include "trace/environment_lighting.h"
 #include "trace/indirect_light.h"
 #include "trace/lobe_filter.h"
+#include "trace/path_splits.h"
 #include "trace/refinement.h"
 #include "trace/shadow_tester.h"
 #include "trace/sized_lighting.h"
@@ -141,6 +142,7 @@ class TileTracer {
     void add_sized_lights(const PointBatch& batch, Stopwatch& watch);
     void add_environment(const PointBatch& batch, Stopwatch& watch);
     void add_indirect(const PointBatch& batch);
+    PathSplits split(const TilePoint& point, glm::vec3& reflected, glm::vec3& refracted) const;
     void queue_continuations(bool primary);
     void queue_lobe(const TilePoint& point, std::uint32_t first, const glm::uvec2& flip, std::size_t rays,
                     const LobePath& path, float share);

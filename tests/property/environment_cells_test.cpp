@@ -540,8 +540,6 @@ TEST(CellVisibility, IsThatOfRays)
     EXPECT_LT(3 * rays[1], 2 * rays[0]);
 }
 
-// A coarse answer is that of the cells that stand in for others, whatever was proven and remembered: for a fraction of
-// the rays, even where an image has a sun.
 // Where all or nothing of a bright place is visible, few of its cells have rays.
 TEST(CellVisibility, BrightPlacesHaveScouts)
 {
@@ -594,6 +592,8 @@ TEST(CellVisibility, BrightPlacesHaveScouts)
     EXPECT_LT(rays_of(world, {0, 1e4f, 0}, true), 0.5);
 }
 
+// A coarse answer is that of the cells that stand in for others, whatever was proven and remembered: for a fraction of
+// the rays, even where an image has a sun.
 TEST(CellVisibility, ACoarseAnswerIsThatOfStandIns)
 {
     const scene::Environment sky = sunny();
@@ -650,6 +650,71 @@ TEST(CellVisibility, ACoarseAnswerIsThatOfStandIns)
     EXPECT_GT(others_wrong, 0u);
     EXPECT_LT(others_wrong, asked_cells / 8);
     EXPECT_LT(5 * rays[1], 3 * rays[0]);
+}
+
+// A point that sees little of the light is answered in full, because a cell is much of what it sees.
+TEST(CellVisibility, ADarkPointIsNotCoarseUnlessAskedTo)
+{
+    const scene::Environment sky = even_sky();
+    const DirectionCells cells(sky);
+    std::size_t full = 0, coarse_points = 0;
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+        World world(seed, 3);
+        const CellVisibility visibility(world.surroundings, cells, {});
+        Random random(seed);
+        const std::vector<ShadowPoint> points = random_points(*world.scene, world.rays, random, 50);
+        const std::vector<std::uint32_t> asked = all_of(points);
+        CellVisibility::Scratch scratch;
+        SeenCells fine, coarse, either;
+        visibility.find(scratch, points, asked, {}, nullptr, fine);
+        visibility.find(scratch, points, asked, std::vector<Guides>(points.size(), Guides{.coarse = true}), nullptr,
+                        coarse);
+        visibility.find(scratch, points, asked,
+                        std::vector<Guides>(points.size(), Guides{.coarse = true, .unless_dark = true}), nullptr,
+                        either);
+        for (std::size_t k = 0; k < points.size(); ++k) {
+            float seen = 0, above = 0;
+            for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
+                const float light = luminance(cells.flux(leaf)) * glm::dot(cells.mean(leaf), points[k].normal);
+                if (light <= 0) continue;
+                above += light;
+                if ((coarse.of(k)[leaf / 64] >> (leaf % 64) & 1) != 0) seen += light;
+            }
+            // Not where rounding decides.
+            if (std::abs(seen / above - 0.25f) < 1e-4f) continue;
+            const bool dark = seen < 0.25f * above;
+            (dark ? full : coarse_points) += 1;
+            EXPECT_TRUE(std::ranges::equal(either.of(k), dark ? fine.of(k) : coarse.of(k))) << seed << " " << k;
+        }
+    }
+    EXPECT_GT(full, 10u);
+    EXPECT_GT(coarse_points, 10u);
+}
+
+// In the open, a point between others traces few rays: one to each of so many cells, others at each point.
+TEST(CellVisibility, PointsBetweenOthersProbeFewCells)
+{
+    const scene::Environment sky = even_sky();
+    const DirectionCells cells(sky);
+    World world(1);
+    const CellVisibility visibility(world.surroundings, cells, {});
+    constexpr std::uint32_t k_between = 30;
+    std::vector<ShadowPoint> points;
+    std::vector<Guides> guides;
+    for (std::uint32_t i = 0; i < 4 + k_between; ++i) {
+        points.push_back({{static_cast<float>(i), 1e4f, 0}, {0, 1, 0}, scene::none, 0, 0, 0, true});
+        guides.push_back({.corner = {0, 1, 2, 3}, .weight = {0.25f, 0.25f, 0.25f, 0.25f}});
+        guides[i].guides = i < 4, guides[i].pass = i < 4 ? 0 : 1;
+        guides[i].block = i / 3, guides[i].number = i % 3;
+    }
+    const std::vector<std::uint32_t> asked = all_of(points);
+    CellVisibility::Scratch all, corners;
+    SeenCells seen;
+    visibility.find(all, points, asked, guides, nullptr, seen);
+    visibility.find(corners, points, std::span(asked).first(4), std::span(guides).first(4), nullptr, seen);
+    const std::uint64_t rays = all.counters.rays - corners.counters.rays;
+    EXPECT_GT(rays, k_between * cells.leaves() / 2 / 256);
+    EXPECT_LT(rays, k_between * cells.leaves() / 2 / 32);
 }
 
 // Proofs for one image serve another, and answers stay what they are.
