@@ -27,12 +27,16 @@ struct LobePixel {
     glm::vec3 position{0}, axis{0};   // where the lobe starts, and its direction
     float width = 0;                  // shading::lobe_width()
     float footprint = 0;              // of the pixel on the surface, its longer axis
+    float rays = 1;                   // as which those that found `light` count
     glm::vec3 filtered{0};            // `light`, filtered twice: see LobeImage::add_to()
 };
 
 struct LobeFilterOptions {
     // Difference of two lobes, in widths, up to which a neighbour counts fully, and from which on it does not.
     float alike = 0.5f, unlike = 1;
+    // Rays that a pixel and its neighbours should have together, and a pixel of a lobe as wide as the difference to its
+    // neighbours.
+    float rays = 24, own_rays = 8;
     float near = 12;   // distance of a neighbour's surface, in footprints, from which on it does not count
 };
 
@@ -47,6 +51,10 @@ class LobeImage {
     const LobePixel& at(int x, int y) const { return pixels_[index(x, y)]; }
     /// Adds each pixel's light, filtered twice and times `scale`, to an image of the same size, and keeps it.
     void add_to(ImageF& color, float scale, Tasks& tasks, const LobeFilterOptions& options = {});
+    /// How many rays of its lobe a pixel should have, so that with those of its neighbours there are enough. Reads the
+    /// neighbours in a rectangle, in which it lies.
+    float rays_wanted(int x, int y, int left, int top, int width, int height,
+                      const LobeFilterOptions& options = {}) const;
     /// A pixel's light, filtered once.
     glm::vec3 filtered(int x, int y, const LobeFilterOptions& options = {}) const;
 
