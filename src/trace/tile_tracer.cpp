@@ -3,6 +3,7 @@
 #include "trace/tile_tracer.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/interruption.h"
 #include "base/morton.h"
@@ -706,8 +707,9 @@ void TileTracer::keep_lobes(int sample)
 std::uint32_t TileTracer::number_of_lobe_rays(const glm::ivec2& pixel, std::uint32_t most)
 {
     if (!lobes_ || shades_further() || options_.random_lobes) return most;
-    const float wanted = lobes_->rays_wanted(pixel.x, pixel.y, tile_.x, tile_.y, tile_.width, tile_.height) /
-                         static_cast<float>(options_.samples);
+    const float wanted =
+        std::as_const(*lobes_).rays_wanted(pixel.x, pixel.y, tile_.x, tile_.y, tile_.width, tile_.height) /
+        static_cast<float>(options_.samples);
     std::uint32_t rays = 1;
     while (rays < most && static_cast<float>(rays) * 1.4142f < wanted) rays *= 2;
     return rays;
@@ -755,7 +757,7 @@ void TileTracer::store_lobes()
             const auto from =
                 static_cast<std::size_t>(y) * static_cast<std::size_t>(tile_.side) + static_cast<std::size_t>(x);
             if (lobes_) {
-                lobes_->at(tile_.x + x, tile_.y + y).light = lobe_light_[from];
+                if (lobe_light_[from] != glm::vec3(0)) lobes_->at(tile_.x + x, tile_.y + y).light = lobe_light_[from];
                 continue;
             }
             glm::vec3 sum(0), square(0);
