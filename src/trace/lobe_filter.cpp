@@ -18,6 +18,12 @@ constexpr int k_half = shading::k_lobe_interleave / 2;
 constexpr float k_apart = 1000;   // a difference of lobes that have nothing in common
 const LobePixel k_no_lobe;
 
+// The first and the last column, and row, of the window have the same patterns: each counts half.
+float part_at(int offset)
+{
+    return offset == -k_half || offset == k_half ? 0.5f : 1.0f;
+}
+
 // The square of how much two lobes differ, in widths.
 float difference(const LobePixel& a, const LobePixel& b, const LobeFilterOptions& options)
 {
@@ -110,9 +116,7 @@ glm::vec3 LobeImage::filtered(int x, int y, const LobeFilterOptions& options) co
             if (nx < 0 || ny < 0 || nx >= size_.width || ny >= size_.height) continue;
             const LobePixel& other = at(nx, ny);
             if (!(other.width > 0)) continue;
-            // The first and the last column, and row, of the window have the same patterns: each counts half.
-            const float edge =
-                (dx == -k_half || dx == k_half ? 0.5f : 1.0f) * (dy == -k_half || dy == k_half ? 0.5f : 1.0f);
+            const float edge = part_at(dx) * part_at(dy);
             const float share = likeness(difference(own, other, options)) * other.rays * edge;
             light += share * other.light, weight += share * other.weight;
         }
@@ -148,7 +152,7 @@ float LobeImage::rays_wanted(int x, int y, int left, int top, int width, int hei
     const float few = step < k_apart
                           ? std::max(options.rays_across / std::max(std::sqrt(step), 1e-3f), options.own_rays)
                           : options.rays;
-    return std::min(options.rays / alike, few);
+    return std::min(std::max(options.rays / alike, options.least_rays), few);
 }
 
 // A tile and the pixels around it that count for its own, by component.
@@ -204,8 +208,7 @@ void LobeImage::filter_tile(int left, int top, glm::vec3 LobePixel::*from, glm::
         for (int dy = -k_half; dy <= k_half; ++dy)
             for (int dx = -k_half; dx <= k_half; ++dx) {
                 const auto other = [&](Of of) { return window.row(of, y + k_half + dy) + k_half + dx; };
-                const float edge =
-                    (dx == -k_half || dx == k_half ? 0.5f : 1.0f) * (dy == -k_half || dy == k_half ? 0.5f : 1.0f);
+                const float edge = part_at(dx) * part_at(dy);
                 const Neighbours n{own(Of::px),    own(Of::py),   own(Of::pz),      own(Of::ax),
                                    own(Of::ay),    own(Of::az),   own(Of::width),   own(Of::footprint),
                                    other(Of::px),  other(Of::py), other(Of::pz),    other(Of::ax),
