@@ -390,7 +390,7 @@ TEST(LobeFilter, PixelsWithoutNeighboursAlikeCastMoreRays)
     // On a ball, axes turn from pixel to pixel.
     trace::LobeImage ball = plane(32, 0.2f);
     float last = options.least_rays;
-    for (const float turn : {0.05f, 0.1f, 1.0f}) {
+    for (const float turn : {0.06f, 0.1f, 1.0f}) {
         for (int y = 0; y < 32; ++y)
             for (int x = 0; x < 32; ++x)
                 ball.at(x, y).axis =
