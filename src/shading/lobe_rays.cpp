@@ -59,7 +59,7 @@ void reflect_by_lobe(const SurfacePoint& s, Continuation& next)
 }
 
 std::size_t lobe_rays(const SurfacePoint& s, std::uint32_t first, const glm::uvec2& flip, bool random,
-                      std::span<LobeRay> rays)
+                      std::span<LobeRay> rays, float* counts)
 {
     std::size_t count = 0;
     glm::vec3 sum(0);
@@ -76,7 +76,9 @@ std::size_t lobe_rays(const SurfacePoint& s, std::uint32_t first, const glm::uve
         rays[count++] = {direction, weight};
     }
     // What the lobe reflects of light from everywhere is its albedo.
-    if (random) sum = static_cast<float>(rays.size()) * s.coverage * glossy_albedo(s);
+    const glm::vec3 albedo = s.coverage * glossy_albedo(s);
+    if (counts) *counts = (sum.x + sum.y + sum.z) / (albedo.x + albedo.y + albedo.z);
+    if (random) sum = static_cast<float>(rays.size()) * albedo;
     for (std::size_t k = 0; k < count; ++k)
         for (int c = 0; c < 3; ++c) rays[k].weight[c] = sum[c] > 0 ? rays[k].weight[c] / sum[c] : 0;
     return count;

@@ -37,9 +37,10 @@ struct LobeRay {
 /// @param flip    bits to flip in the pattern's points
 /// @param random  the flips are random numbers: weights are those of an unbiased estimate. Otherwise they sum to 1
 /// @param rays    out
+/// @param counts  out, unless null: as how many rays they count beside those of other points, from their weights
 /// @return  how many of `rays` were set: others would lie below the surface
 std::size_t lobe_rays(const SurfacePoint& s, std::uint32_t first, const glm::uvec2& flip, bool random,
-                      std::span<LobeRay> rays);
+                      std::span<LobeRay> rays, float* counts = nullptr);
 
 /// Widens a surface's lobe by the ray cone through which it is seen: by the cone's angle, and by how much the surface
 /// turns below it. A highlight that is smaller than the part of another lobe in which it is seen would be met by few

@@ -10,8 +10,14 @@
 // Where few of the rays meet what is bright, the window's edges would show as a woven pattern: they pass over those
 // rays one by one. The window therefore slides twice, which makes its edges soft.
 //
-// Cost: twice up to 81 neighbours for each pixel that has a lobe.
+// Pixels cast as many rays as their neighbours do not have for them (rays_wanted()): one where all of the window
+// counts, several on a small ball. A neighbour counts by the weights of its rays, not by their number, because a single
+// ray says nothing about how much its lobe reflects on average.
+//
+// Cost: twice up to 81 neighbours for each pixel that has a lobe, several pixels at once. Memory: some 80 bytes for
+// each pixel of tiles that show lobes.
 
+#include <memory>
 #include <vector>
 
 #include "base/image.h"
@@ -27,36 +33,53 @@ struct LobePixel {
     glm::vec3 position{0}, axis{0};   // where the lobe starts, and its direction
     float width = 0;                  // shading::lobe_width()
     float footprint = 0;              // of the pixel on the surface, its longer axis
-    glm::vec3 filtered{0};            // `light`, filtered twice: see LobeImage::add_to()
+    float rays = 1;                   // as which those that found `light` count
+    // `light`, filtered once and twice: see LobeImage::add_to().
+    glm::vec3 once{0}, filtered{0};
 };
 
 struct LobeFilterOptions {
     // Difference of two lobes, in widths, up to which a neighbour counts fully, and from which on it does not.
     float alike = 0.5f, unlike = 1;
+    // Rays that a pixel should have with its neighbours; and, where these are as different as a lobe is wide, by
+    // itself. Where they are more different, a narrower lobe shows less within a pixel: it needs fewer rays, but not
+    // below the last.
+    float rays = 96, least_rays = 4, rays_across = 8, own_rays = 8;
     float near = 12;   // distance of a neighbour's surface, in footprints, from which on it does not count
 };
 
-/// The pixels of an image, row by row.
+/// The pixels of an image, in square tiles, of which those without lobes take no memory.
 class LobeImage {
  public:
-    explicit LobeImage(Size size)
-        : size_(size), pixels_(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height))
-    {
-    }
-    LobePixel& at(int x, int y) { return pixels_[index(x, y)]; }
-    const LobePixel& at(int x, int y) const { return pixels_[index(x, y)]; }
+    /// @param side  of a tile
+    explicit LobeImage(Size size, int side = 32);
+    /// Pixels of different tiles may be written by different threads.
+    LobePixel& at(int x, int y);
+    /// Thread-safe beside others that read.
+    const LobePixel& at(int x, int y) const;
+    /// How many rays of its lobe a pixel should have, so that with those of its neighbours there are enough. Reads the
+    /// neighbours in a rectangle, in which it lies.
+    float rays_wanted(int x, int y, int left, int top, int width, int height,
+                      const LobeFilterOptions& options = {}) const;
     /// Adds each pixel's light, filtered twice and times `scale`, to an image of the same size, and keeps it.
     void add_to(ImageF& color, float scale, Tasks& tasks, const LobeFilterOptions& options = {});
-    /// A pixel's light, filtered once.
+    /// A pixel's light, filtered once: the reference for add_to().
     glm::vec3 filtered(int x, int y, const LobeFilterOptions& options = {}) const;
 
  private:
-    std::size_t index(int x, int y) const
+    struct Window;
+    std::size_t tile_of(int x, int y) const
     {
-        return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x);
+        return static_cast<std::size_t>(y / side_) * static_cast<std::size_t>(columns_) +
+               static_cast<std::size_t>(x / side_);
     }
+    std::size_t in_tile(int x, int y) const { return static_cast<std::size_t>(y % side_ * side_ + x % side_); }
+    void filter_tile(int left, int top, glm::vec3 LobePixel::*from, glm::vec3 LobePixel::*to, Window& window,
+                     const LobeFilterOptions& options);
+
     Size size_;
-    std::vector<LobePixel> pixels_;
+    int side_, columns_;
+    std::vector<std::unique_ptr<LobePixel[]>> tiles_;   // null: no lobe
 };
 
 }   // namespace gnomon::trace

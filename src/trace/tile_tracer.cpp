@@ -3,6 +3,7 @@
 #include "trace/tile_tracer.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/interruption.h"
 #include "base/morton.h"
@@ -19,6 +20,7 @@ namespace {
 constexpr std::size_t k_lobe_rays_at_once = 16384;
 constexpr std::uint32_t k_lobe_batches = 8;   // of random rays: their spread is the error
 constexpr int k_blurred_lobe_rays = 2;        // a power of two
+constexpr float k_least_lobe_rays = 1e-3f;    // as which a pixel's rays count beside its neighbours'
 constexpr std::uint32_t k_lobe_blocks = shading::k_lobe_interleave * shading::k_lobe_interleave;
 constexpr float k_least_mirrored = 0.1f;   // share of a surface's light that comes from others, of a mirror
 constexpr float k_least_cosine = 0.1f;     // of the view, for the pixel's footprint
@@ -643,12 +645,15 @@ void TileTracer::queue_continuations(bool primary)
 // Queues rays of a point's lobe.
 // @param first  of the pattern
 // @param share  of the lobe's light that these rays bring
+// @param kept   optional: takes as how many rays they count
 void TileTracer::queue_lobe(const TilePoint& point, std::uint32_t first, const glm::uvec2& flip, std::size_t rays,
-                            const LobePath& path, float share)
+                            const LobePath& path, float share, LobePixel* kept)
 {
     const shading::SurfacePoint& s = point.surface;
     lobe_rays_.resize(rays);
-    std::size_t count = shading::lobe_rays(s, first, flip, options_.random_lobes, lobe_rays_);
+    float counts = 0;
+    std::size_t count = shading::lobe_rays(s, first, flip, options_.random_lobes, lobe_rays_, &counts);
+    if (kept) kept->rays = std::max(counts, k_least_lobe_rays);
     if (count == 0 && !options_.random_lobes) lobe_rays_[count++] = {point.next.reflected, glm::vec3(1)};
     // Each ray shows what lies in its part of the lobe.
     shading::RayCone cone = s.cone;
@@ -709,24 +714,36 @@ void TileTracer::keep_lobes(int sample)
         lobe_light_.assign(color_.size() * (options_.random_lobes ? k_lobe_batches : 1), glm::vec3(0));
 }
 
+// How many rays a primary hit's lobe has: few where the filter adds those of many neighbours.
+std::uint32_t TileTracer::number_of_lobe_rays(const glm::ivec2& pixel, std::uint32_t most)
+{
+    if (!lobes_ || shades_further() || options_.random_lobes) return most;
+    const float wanted =
+        std::as_const(*lobes_).rays_wanted(pixel.x, pixel.y, tile_.x, tile_.y, tile_.width, tile_.height) /
+        static_cast<float>(options_.samples);
+    std::uint32_t rays = 1;
+    while (rays < most && static_cast<float>(rays) * 1.4142f < wanted) rays *= 2;
+    return rays;
+}
+
 // Traces the rays of the kept points, and what follows from them, some points at a time.
 void TileTracer::trace_lobes(int sample, Stopwatch& watch)
 {
     // The samples of time and lens have few rays each, and patterns of their own.
-    const auto rays = static_cast<std::uint32_t>(blur_ ? std::min(rays_of_lobe_, k_blurred_lobe_rays) : rays_of_lobe_);
-    const std::size_t at_once = std::max<std::size_t>(k_lobe_rays_at_once / std::max(rays, 1u), 1);
+    const auto most = static_cast<std::uint32_t>(blur_ ? std::min(rays_of_lobe_, k_blurred_lobe_rays) : rays_of_lobe_);
     const auto samples = static_cast<std::uint32_t>(power_of_two_from(options_.samples));
-    for (std::size_t begin = 0; begin < lobe_points_.size(); begin += at_once) {
+    for (std::size_t begin = 0; begin < lobe_points_.size();) {
         next_reflected_.clear(), next_refracted_.clear();
-        const std::size_t end = std::min(begin + at_once, lobe_points_.size());
-        for (std::size_t p = begin; p < end; ++p) {
-            const TilePoint& point = lobe_points_[p];
+        for (; begin < lobe_points_.size() && next_reflected_.rays.size() < k_lobe_rays_at_once; ++begin) {
+            const TilePoint& point = lobe_points_[begin];
             const glm::ivec2 at = pixel_of_image(point.pixel);
+            const std::uint32_t rays = number_of_lobe_rays(at, most);
             LobePath path{1, 0, static_cast<float>(rays)};
             if (!options_.random_lobes) {
                 std::uint32_t block = shading::lobe_block(at.x, at.y) * samples + static_cast<std::uint32_t>(sample);
                 if (blur_) block = shading::lobe_block(at.x, at.y) + k_lobe_blocks * samples_[point.pixel].number;
-                queue_lobe(point, block * rays, glm::uvec2(0), rays, path, 1);
+                queue_lobe(point, block * rays, glm::uvec2(0), rays, path, 1,
+                           lobes_ && !shades_further() ? &lobes_->at(at.x, at.y) : nullptr);
                 continue;
             }
             const auto pixel = static_cast<std::uint64_t>(at.y) << 32 | static_cast<std::uint64_t>(at.x);
@@ -751,7 +768,7 @@ void TileTracer::store_lobes()
             const auto from =
                 static_cast<std::size_t>(y) * static_cast<std::size_t>(tile_.side) + static_cast<std::size_t>(x);
             if (lobes_) {
-                lobes_->at(tile_.x + x, tile_.y + y).light = lobe_light_[from];
+                if (lobe_light_[from] != glm::vec3(0)) lobes_->at(tile_.x + x, tile_.y + y).light = lobe_light_[from];
                 continue;
             }
             glm::vec3 sum(0), square(0);

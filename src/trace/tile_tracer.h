@@ -145,10 +145,11 @@ class TileTracer {
     PathSplits split(const TilePoint& point, glm::vec3& reflected, glm::vec3& refracted) const;
     void queue_continuations(bool primary);
     void queue_lobe(const TilePoint& point, std::uint32_t first, const glm::uvec2& flip, std::size_t rays,
-                    const LobePath& path, float share);
+                    const LobePath& path, float share, LobePixel* kept = nullptr);
     void queue_nested_lobe(const TilePoint& point);
     void follow_paths(int sample, Stopwatch& watch);
     void keep_lobes(int sample);
+    std::uint32_t number_of_lobe_rays(const glm::ivec2& pixel, std::uint32_t most);
     void trace_lobes(int sample, Stopwatch& watch);
     void add_color(std::uint32_t pixel, const LobePath& lobe, const glm::vec3& radiance);
     void store_lobes();

@@ -283,7 +283,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         state.scene().lights.size());
 
     std::optional<LobeImage> lobes;
-    if (!options.random_lobes && has_lobes(state.scene())) lobes.emplace(size);
+    if (!options.random_lobes && has_lobes(state.scene())) lobes.emplace(size, options.tile);
     std::optional<shading::CentreSamples> centres;
     if (options.adaptive || blur) centres.emplace(size);
     pass.lobes = lobes ? &*lobes : nullptr;

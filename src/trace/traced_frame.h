@@ -51,7 +51,7 @@ struct TracedOptions {
     float min_throughput = 1 / 300.f;   // a ray whose path has a lower throughput is not traced
     int tile = 32;                      // pixels a side; a power of two
     // Reflection by rough metals (shading/lobe_rays.h), unless max_depth is 0.
-    int lobe_rays = 16;            // of a pixel, all samples together; of each, a power of two
+    int lobe_rays = 16;            // of a pixel at most, all samples together; of each, a power of two
     bool random_lobes = false;     // for a reference: random directions, not filtered, and their error
     std::uint64_t lobe_seed = 0;   // of these
 };

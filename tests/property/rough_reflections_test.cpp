@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/math.h"
 #include "base/random.h"
@@ -260,6 +261,30 @@ TEST(LobeRays, TheirMeanIsTheLobesIntegral)
         }
 }
 
+// One ray of each of 64 pixels: beside those of the others, it counts by its weight.
+TEST(LobeRays, SingleRaysOfManyPixelsMakeTheLobesIntegral)
+{
+    for (const float roughness : {0.3f, 0.6f, 1.0f}) {
+        const shading::SurfacePoint s = surface(roughness, 0.6f);
+        std::array<shading::LobeRay, 4096> rays;
+        const std::size_t count = shading::lobe_rays(s, 4096, glm::uvec2(0), false, rays);
+        double light = 0;
+        for (std::size_t k = 0; k < count; ++k)
+            light += static_cast<double>((rays[k].weight * bright_half(rays[k].direction)).x);
+        double brought = 0, counted = 0, unweighted = 0;
+        for (std::uint32_t block = 0; block < 1024; ++block) {
+            std::array<shading::LobeRay, 1> one;
+            float counts = 0;
+            if (shading::lobe_rays(s, block, glm::uvec2(0), false, one, &counts) == 0) continue;
+            brought += static_cast<double>(counts * bright_half(one[0].direction)), counted += counts;
+            unweighted += bright_half(one[0].direction);
+        }
+        EXPECT_NEAR(counted, 1024, 0.02 * 1024) << roughness;
+        EXPECT_NEAR(brought / counted, light, 0.01 * light) << roughness;
+        RecordProperty("unweighted_" + std::to_string(roughness), std::to_string(unweighted / 1024 / light));
+    }
+}
+
 TEST(LobeRays, NeighbouringPixelsHaveBlocksOfTheirOwn)
 {
     std::array<bool, 64> met{};
@@ -320,6 +345,76 @@ TEST(LobeFilter, EdgesOfTheWindowDoNotShow)
         const float step = filtered.pixel(x + 1, 32)[0] - filtered.pixel(x, 32)[0];
         EXPECT_LT(std::abs(step), 0.15f) << x;   // .5 if the window slid once
     }
+}
+
+TEST(LobeFilter, TilesAreFilteredAsThePixelsByThemselves)
+{
+    constexpr int k_width = 75, k_height = 50;   // not a multiple of a tile's side
+    Random random(1, 2);
+    const auto number = [&] { return random.uniform(0, 1); };
+    trace::LobeImage image({k_width, k_height}, 16);
+    for (int y = 0; y < k_height; ++y)
+        for (int x = 0; x < k_width; ++x) {
+            if (x > 40 && y < 20) continue;   // tiles without a lobe
+            trace::LobePixel& pixel = image.at(x, y);
+            pixel.weight = number() < 0.1f ? glm::vec3(0) : glm::vec3(number(), number(), number());
+            pixel.light = glm::vec3(number(), number(), number());
+            pixel.position = 0.01f * glm::vec3(x, y, number());
+            pixel.axis = glm::normalize(glm::vec3(number(), number(), 3));
+            pixel.width = number() < 0.1f ? 0 : 0.1f + number();
+            pixel.footprint = 0.01f, pixel.rays = number();
+        }
+    trace::LobeImage once({k_width, k_height}, 16);
+    for (int y = 0; y < k_height; ++y)
+        for (int x = 0; x < k_width; ++x) {
+            once.at(x, y) = std::as_const(image).at(x, y);
+            once.at(x, y).light = image.filtered(x, y);
+        }
+    ImageF color(k_width, k_height, 3);
+    Tasks tasks(2);
+    image.add_to(color, 1, tasks);
+    for (int y = 0; y < k_height; ++y)
+        for (int x = 0; x < k_width; ++x) {
+            const glm::vec3 filtered = once.filtered(x, y);
+            for (int c = 0; c < 3; ++c) ASSERT_EQ(color.pixel(x, y)[c], filtered[c]) << x << ' ' << y;
+        }
+}
+
+TEST(LobeFilter, PixelsWithoutNeighboursAlikeCastMoreRays)
+{
+    const trace::LobeFilterOptions options;
+    const trace::LobeImage wide = plane(32, 0.2f);
+    EXPECT_EQ(wide.rays_wanted(16, 16, 0, 0, 32, 32), options.least_rays);
+    EXPECT_EQ(wide.rays_wanted(0, 0, 0, 0, 32, 32), options.least_rays);   // at a corner: as within
+    EXPECT_EQ(wide.rays_wanted(16, 16, 16, 16, 1, 1), options.rays);       // nothing is known of its neighbours
+    // On a ball, axes turn from pixel to pixel.
+    trace::LobeImage ball = plane(32, 0.2f);
+    float last = options.least_rays;
+    for (const float turn : {0.06f, 0.1f, 1.0f}) {
+        for (int y = 0; y < 32; ++y)
+            for (int x = 0; x < 32; ++x)
+                ball.at(x, y).axis =
+                    glm::normalize(glm::vec3(turn * static_cast<float>(x - 16), turn * static_cast<float>(y - 16), 1));
+        const float wanted = ball.rays_wanted(16, 16, 0, 0, 32, 32);
+        if (turn < 0.5f)
+            EXPECT_GT(wanted, last) << turn;
+        else
+            EXPECT_EQ(wanted, options.own_rays);   // a lobe that is narrow beside a pixel
+        last = wanted;
+    }
+}
+
+// A pixel whose rays brought nothing says less than its neighbours.
+TEST(LobeFilter, NeighboursCountByTheWeightsOfTheirRays)
+{
+    trace::LobeImage image = plane(32, 0.2f);
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x) {
+            trace::LobePixel& pixel = image.at(x, y);
+            pixel.light = pixel.weight * (x % 2 == 0 ? 1.0f : 3.0f);
+            pixel.rays = x % 2 == 0 ? 1.0f : 0.25f;
+        }
+    EXPECT_NEAR(image.filtered(16, 16).x, 0.5f * (1 + 3 * 0.25f) / 1.25f, 1e-5f);
 }
 
 TEST(LobeFilter, KeepsApartWhatReflectsOtherSurroundings)
