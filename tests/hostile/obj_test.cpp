@@ -189,7 +189,8 @@ TEST(HostileObj, ReportsManyMissingTexturesQuickly)
         write(folder / "a.mtl", materials);
         write(folder / "a.obj", faces);
         const std::clock_t start = std::clock();
-        EXPECT_EQ(load_obj(folder / "a.obj").warnings.size(), static_cast<std::size_t>(count));
+        // One more says that the triangles lie in one place.
+        EXPECT_EQ(load_obj(folder / "a.obj").warnings.size(), static_cast<std::size_t>(count) + 1);
         return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     };
     const double few = seconds_for(20'000);
