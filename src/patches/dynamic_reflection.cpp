@@ -15,9 +15,9 @@ namespace gnomon::patches {
 namespace {
 
 constexpr std::size_t k_places = 256, k_least_places = 8, k_places_in_all = 1024;   // of a group, and of all groups
-constexpr std::size_t k_rays = 8;                                                  // of a place
-constexpr float k_same_facing = 0.5f;                                              // cosine: of a place for a point
-constexpr float k_least_bounce = 1e-3f;                                            // of the first, the last that counts
+constexpr std::size_t k_rays = 8;                                                   // of a place
+constexpr float k_same_facing = 0.5f;                                               // cosine: of a place for a point
+constexpr float k_least_bounce = 1e-3f;   // of the first, the last that counts
 constexpr int k_most_bounces = 64;
 constexpr float k_most_albedo = 0.98f;
 constexpr double k_golden_angle = 2.399963229728653;   // radians
@@ -158,9 +158,12 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
             if (!state.object_visible(o)) continue;
             const glm::mat4 matrix = state.object_matrix(o);
             const double scale = std::cbrt(std::abs(glm::determinant(glm::dmat3(matrix))));
-            areas.push_back({matrix, o, surface_of(state, rays, o).area * scale * scale});
-            all += areas.back().area;
+            const double area = surface_of(state, rays, o).area * scale * scale;
+            if (!std::isfinite(area)) continue;
+            areas.push_back({matrix, o, area});
+            all += area;
         }
+        if (!std::isfinite(all)) continue;
         if (areas.size() > k_places_in_all) {
             for (const Chosen& one : choose_objects(std::move(areas), all)) {
                 choose_places(surfaces_[one.object], one.places);
