@@ -499,17 +499,18 @@ void CellVisibility::divide_affected(const Query& query, std::size_t k) const
     using parts::k_of_quarter, parts::k_of_sixteenth;
     Scratch& scratch = query.scratch;
     const float unit = scratch.unit[k];
-    if (!(unit > 0) || level_of(most_luminance_, unit) == 0) return;
+    const std::span<const PartialCell> partial = query.seen.partial_of(k);
+    const bool divides = unit > 0 && level_of(most_luminance_, unit) > 0;
+    if (!divides && partial.empty()) return;
     const auto above = query.of(scratch.above, k), wanted = query.of(scratch.wanted, k);
     const auto mask = query.seen.of(k);
-    const std::span<const PartialCell> partial = query.seen.partial_of(k);
     for (std::size_t w = 0; w < above.size(); ++w)
         for (std::uint64_t word = above[w] & scratch.affected[w]; word != 0; word &= word - 1) {
             const std::size_t leaf = 64 * w + static_cast<std::size_t>(std::countr_zero(word));
             const auto at = std::ranges::lower_bound(partial, static_cast<std::uint32_t>(leaf), {}, &PartialCell::leaf);
             const bool divided = at != partial.end() && at->leaf == leaf;
             if (!divided && !has(mask, leaf)) continue;
-            const int level = level_of(light_of(leaf, query.point(k).normal), unit);
+            const int level = divides ? level_of(light_of(leaf, query.point(k).normal), unit) : 0;
             if (level == 0 && !divided) continue;
             wanted[w] &= ~(std::uint64_t{1} << (leaf % 64));
             Scratch::Divided of;

@@ -145,6 +145,32 @@ TEST(MovingCourt, IsAsBrightAsTheReferenceSays)
     }
 }
 
+// A wide floor keeps half of the sky from a niche of walls, whether it may move or not: also where the light of a pixel
+// is found between others, which see some directions in part.
+TEST(MovingCourt, AFloorThatMayMoveHidesTheSkyAsAStillOneDoes)
+{
+    const auto wall_above = [](Mobility of_floor) {
+        SceneBuilder builder;
+        const MeshId square = builder.mesh({.positions = k_square, .indices = k_up});
+        const MaterialId grey = builder.material(matte({0.7f, 0.7f, 0.7f}));
+        builder.instance(square, grey, Transform::scaling(200, 1, 200), {.mobility = of_floor});
+        const Transform upright =
+            Transform::translation(0, 1, -2) * Transform::rotation({1, 0, 0}, k_pi / 2) * Transform::scaling(4, 1, 2);
+        for (const double turn : {0.0, 0.5 * k_pi, -0.5 * k_pi})
+            builder.instance(square, grey, Transform::rotation({0, 1, 0}, turn) * upright);
+        builder.environment({.width = 16, .height = 8, .pixels = std::vector(16 * 8 * 3, 1.0f)});
+        Camera camera;
+        camera.transform = Transform::look_at({0, 1, 4}, {0, 0.9f, -2});
+        camera.vertical_fov = 0.25f;
+        builder.camera(camera);
+        RenderOptions options = options_of(48);
+        options.indirect = Indirect::off;
+        return static_cast<double>(floor_of(Renderer(options).render(builder.finish(), 1)).x);
+    };
+    const double still = wall_above(Mobility::fixed), moving = wall_above(Mobility::may_move);
+    EXPECT_NEAR(moving, still, 0.05 * still);
+}
+
 // A frame does not depend on where the board was before.
 TEST_P(MovingReflection, FollowsTheBoardAsIfNew)
 {
