@@ -17,7 +17,6 @@ using scene::none;
 
 namespace {
 
-constexpr std::uint32_t k_most_in_place = 64;   // equal spheres
 constexpr std::size_t k_names_in_a_warning = 5, k_longest_name = 80;
 
 // The material of geometry before the first material statement.
@@ -206,7 +205,7 @@ void AffBuilder::add_sphere(const glm::dvec3& centre, double radius, bool inside
         place->second = add_mesh(std::move(mesh), none);
     }
     // Thousands in one place are a mistake or an attack, and nobody sees more than one.
-    if (++in_place_[{place->second, parent(), {centre.x, centre.y, centre.z, radius}}] > k_most_in_place) {
+    if (++in_place_[{place->second, parent(), {centre.x, centre.y, centre.z, radius}}] > scene::k_most_in_place) {
         ++repeats_;
         return;
     }
@@ -311,7 +310,7 @@ scene::Scene AffBuilder::finish()
     flush();
     if (repeats_ > 0)
         scene_.warnings.push_back(fmt::format("{} sphere{} where {} equal ones are already: left out", repeats_,
-                                              repeats_ == 1 ? "" : "s", k_most_in_place));
+                                              repeats_ == 1 ? "" : "s", scene::k_most_in_place));
     place_tracks();
     place_camera();
     if (std::string halved = memory_.warning(scene_.textures); !halved.empty())
