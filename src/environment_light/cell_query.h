@@ -57,12 +57,14 @@ struct CellVisibility::Query {
     std::span<const std::uint32_t> asked;
     std::span<const Guides> guides;
     SeenCells& seen;
+    std::size_t first = 0;   // the points before it are answered
 
+    static constexpr int k_answered = 255;   // in place of a pass
     std::size_t count() const { return asked.size(); }
     const visibility::ShadowPoint& point(std::size_t k) const { return points[asked[k]]; }
     std::vector<char> is_coarse = {};   // by asked point; empty: none
-    bool coarse(std::size_t k) const { return !is_coarse.empty() && is_coarse[k] != 0; }
-    int pass(std::size_t k) const { return guides.empty() ? 0 : guides[k].pass; }
+    bool coarse(std::size_t k) const { return k >= first && !is_coarse.empty() && is_coarse[k] != 0; }
+    int pass(std::size_t k) const { return k < first ? k_answered : guides.empty() ? 0 : guides[k].pass; }
     std::span<std::uint64_t> of(std::vector<std::uint64_t>& masks, std::size_t k) const
     {
         return {masks.data() + k * seen.words, seen.words};

@@ -126,24 +126,34 @@ glm::vec3 CellVisibility::ray_direction(std::size_t leaf, const glm::vec3& norma
 }
 
 void CellVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points, std::span<const std::uint32_t> asked,
-                          std::span<const Guides> guides, PointMemory* memory, SeenCells& seen) const
+                          std::span<const Guides> guides, PointMemory* memory, SeenCells& seen, std::size_t first) const
 {
-    seen.words = cells_.words();
+    const bool moves = !surroundings_.dynamic_boxes().empty();
+    if (first == 0) {
+        seen.words = cells_.words();
+        for (auto* masks :
+             {&seen.masks, &scratch.above, &scratch.known, &scratch.free, &scratch.wanted, &scratch.between})
+            masks->clear();
+        seen.partial.clear(), seen.partials.clear();
+        scratch.asked.clear(), scratch.light.clear(), scratch.unit.clear(), scratch.known_of.clear();
+        scratch.glance.clear();
+        scratch.small_windows = false;
+    } else if (moves) {
+        seen = scratch.at_rest;
+    }
     const std::size_t all = asked.size() * seen.words;
     for (auto* masks : {&seen.masks, &scratch.above, &scratch.known, &scratch.free, &scratch.wanted, &scratch.between})
-        masks->assign(all, 0);
+        masks->resize(all, 0);
     scratch.queue.purpose = scratch.part_queue.purpose = ray::RayClass::shadow;
-    seen.partial.clear();
-    seen.partials.assign(asked.size(), {});
-    scratch.divided.clear(), scratch.known_parts.clear();
-    scratch.light.assign(asked.size(), 0);
-    scratch.unit.assign(asked.size(), 0);
-    scratch.known_of.assign(asked.size(), {});
-    scratch.glance.assign(asked.size(), k_no_glance);
-    scratch.glimpses.clear();
-    scratch.small_windows = false;
-    scratch.counters.points += asked.size();
-    Query query{scratch, points, asked, guides, seen};
+    seen.partials.resize(asked.size());
+    scratch.divided.clear(), scratch.known_parts.clear(), scratch.glimpses.clear();
+    scratch.asked.resize(asked.size());
+    scratch.light.resize(asked.size(), 0);
+    scratch.unit.resize(asked.size(), 0);
+    scratch.known_of.resize(asked.size());
+    scratch.glance.resize(asked.size(), k_no_glance);
+    scratch.counters.points += asked.size() - first;
+    Query query{scratch, points, asked, guides, seen, first};
     if (!cells_.families().empty() && std::ranges::any_of(guides, &Guides::coarse))
         for (const Guides& guide : guides) query.is_coarse.push_back(guide.coarse ? 1 : 0);
     look_up(query, memory);
@@ -157,7 +167,8 @@ void CellVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points,
         divide(query, pass);
     }
     if (memory) remember(query, *memory);
-    if (!surroundings_.dynamic_boxes().empty()) test_dynamic(query);
+    if (moves && !guides.empty()) scratch.at_rest = seen;
+    if (moves) test_dynamic(query);
 }
 
 // Finds what is proven or remembered of points on static objects.
@@ -165,9 +176,8 @@ void CellVisibility::look_up(const Query& query, PointMemory* memory) const
 {
     Scratch& scratch = query.scratch;
     const std::size_t words = query.seen.words;
-    scratch.asked.assign(query.count(), {});
     scratch.above_at = query.count();
-    for (std::size_t k = 0; k < query.count(); ++k) {
+    for (std::size_t k = query.first; k < query.count(); ++k) {
         const ShadowPoint& p = query.point(k);
         if (p.normal == glm::vec3(0)) continue;
         find_above(query, k);
@@ -493,7 +503,7 @@ void CellVisibility::remember(const Query& query, PointMemory& memory) const
                       [&](std::uint32_t d) { return std::pair(scratch.divided[d].asked, scratch.divided[d].leaf); });
     std::ranges::sort(scratch.glimpses, {}, [](const auto& glimpse) { return std::pair(glimpse.asked, glimpse.leaf); });
     std::size_t next = 0, glimpse = 0;
-    for (std::size_t k = 0; k < query.count(); ++k) {
+    for (std::size_t k = query.first; k < query.count(); ++k) {
         scratch.own_parts.clear();
         for (; next < order.size() && scratch.divided[order[next]].asked == k; ++next)
             scratch.own_parts.push_back({scratch.divided[order[next]].leaf, scratch.divided[order[next]].seen});
@@ -556,7 +566,7 @@ void CellVisibility::test_dynamic(const Query& query) const
     const std::size_t words = query.seen.words;
     std::vector<std::uint32_t> block;
     scratch.divided.clear();
-    for (std::size_t k = 0; k <= query.count(); ++k) {
+    for (std::size_t k = query.first; k <= query.count(); ++k) {
         if (k < query.count() && scratch.asked[k].is_static) block.push_back(static_cast<std::uint32_t>(k));
         if (block.size() < k_block && k < query.count()) continue;
         if (block.empty()) continue;
@@ -579,7 +589,7 @@ void CellVisibility::test_dynamic(const Query& query) const
             flush(query, ray::Against::dynamic_only, false, scratch.counters.dynamic_rays);
     }
     flush(query, ray::Against::dynamic_only, false, scratch.counters.dynamic_rays);
-    for (std::size_t k = 0; k < query.count(); ++k)
+    for (std::size_t k = query.first; k < query.count(); ++k)
         if (scratch.asked[k].is_static && query.coarse(k)) follow_hidden(query, k);
     take_dynamic_parts(query);
 }

@@ -144,6 +144,7 @@ class CellVisibility {
         std::vector<std::uint64_t> affected;            // cells that a dynamic object may cover
         glm::vec3 above_normal{0};
         std::size_t above_at = 0;   // the last point with that normal
+        SeenCells at_rest;          // what points with guides see past static objects; only where something moves
         std::vector<std::uint64_t> bits;
         std::vector<std::uint32_t> stack;
         // Shares of cells.
@@ -174,8 +175,11 @@ class CellVisibility {
     /// @param guides  by asked point, or empty: cells that all guides of a point see, or none, are taken to be as they
     ///                are there, unless one of the probes of the block says otherwise
     /// @param memory  of static points; null: nothing is remembered
+    /// @param first   the asked points before this one are those of the last call, with the same scratch, guides and
+    ///                answers: only the others are answered, and these may have guides among all. What `seen` says of
+    ///                the former is then without what moves.
     void find(Scratch& scratch, std::span<const visibility::ShadowPoint> points, std::span<const std::uint32_t> asked,
-              std::span<const Guides> guides, PointMemory* memory, SeenCells& seen) const;
+              std::span<const Guides> guides, PointMemory* memory, SeenCells& seen, std::size_t first = 0) const;
 
     /// Takes over what is proven and remembered for other cells, of another image, where both have the same leaves.
     /// Call before the first question. What points remember of the others can be read until forget_other().

@@ -96,14 +96,14 @@ void RasterEnvironment::light_tile(const Surfaces& read, std::size_t number, con
         }
     if (own.points.empty()) return;
     const trace::PointBatch batch{own.points, own.shadow_points, own.normals, tile, true, true};
-    const auto add = [&](const trace::TilePoint& point, const glm::vec3& radiance) {
+    const auto add = [&](const trace::TilePoint& point, const glm::vec3& radiance, const glm::vec3&) {
         radiance_[tile.index_in_image(point.pixel, size.width)] += glm::vec4(radiance, 0);
     };
     if (own.lighting.has_image()) own.lighting.light(batch, number, add);
     own.lighting.light_by_suns(
         batch, number, *state_,
         [&](const trace::TilePoint& point, const glm::vec3& radiance, scene::LightId light, float share) {
-            add(point, radiance);
+            add(point, radiance, glm::vec3(0));
             visible_[light][tile.index_in_image(point.pixel, size.width)] = share;
         });
 }

@@ -23,6 +23,7 @@ constexpr float k_least_alignment = 0.8f;   // cosine between the normals of a p
 constexpr float k_most_footprints = 12;     // between them, in widths of a pixel on the surface
 constexpr float k_least_cosine = 0.1f;      // of the view, for that width
 constexpr std::uint32_t k_between = 0xffffffff;
+constexpr std::uint32_t k_nobody = 0xffffffff;
 constexpr int k_passes = 2;                   // of points with guides
 constexpr float k_passes_alike = 1 / 64.0f;   // difference of what surfaces let through, up to which it is interpolated
 // Of a path, times the share of the pixel: up to here, a point in mirrors and glass that no others guide and that
@@ -112,14 +113,61 @@ bool EnvironmentLighting::has_sun(scene::LightId light) const
     return std::ranges::any_of(technique_.light().suns(), [&](const auto& sun) { return sun->light == light; });
 }
 
-// Gives the points between those of a lattice of pixels these as guides, where they are of one surface: first those of
-// a lattice that is half as wide, then all others these.
-// @param points  indices in the batch
-void EnvironmentLighting::find_guides(const PointBatch& batch, std::span<const std::uint32_t> points)
+// Finds the points around one on a lattice of pixels.
+// @param points    indices in the batch
+// @param answered  so many of them, from the first on, may be guides
+// @return  of pass 0: too few are of its surface
+Guides EnvironmentLighting::guides_of(const PointBatch& batch, std::span<const std::uint32_t> points, std::uint32_t k,
+                                      std::size_t answered, int step, int pass) const
 {
     const Tile& tile = batch.tile;
     const auto side = static_cast<std::uint32_t>(tile.side);
-    constexpr auto k_nobody = 0xffffffffu;
+    const TilePoint& point = batch.points[points[k]];
+    const auto x = static_cast<int>(point.pixel % side), y = static_cast<int>(point.pixel / side);
+    // The lattice ends with the tile's last pixels.
+    const int x0 = x / step * step, x1 = x % step == 0 || x == tile.width - 1 ? x : std::min(x0 + step, tile.width - 1);
+    const int y0 = y / step * step,
+              y1 = y % step == 0 || y == tile.height - 1 ? y : std::min(y0 + step, tile.height - 1);
+    const int left = x1 == x ? x : x0, top = y1 == y ? y : y0;
+    // Bilinear weights; one of both columns, or rows, where these are the same.
+    const float fx = x1 > left ? static_cast<float>(x - left) / static_cast<float>(x1 - left) : 0,
+                fy = y1 > top ? static_cast<float>(y - top) / static_cast<float>(y1 - top) : 0;
+    Guides guides;
+    std::size_t found = 0;
+    float sum = 0;
+    for (int corner = 0; corner < 4; ++corner) {
+        const int gx = corner % 2 == 0 ? left : x1, gy = corner < 2 ? top : y1;
+        const std::uint32_t guide =
+            asked_of_pixel_[static_cast<std::uint32_t>(gy) * side + static_cast<std::uint32_t>(gx)];
+        if (guide >= answered || batch.shadow_points[points[guide]].object != batch.shadow_points[points[k]].object ||
+            !continue_each_other(point, batch.points[points[guide]]))
+            continue;
+        guides.weight[found] = (corner % 2 == 0 ? 1 - fx : fx) * (corner < 2 ? 1 - fy : fy);
+        sum += guides.weight[found];
+        guides.corner[found++] = guide;
+    }
+    if (found < k_least_guides || !(sum > 0)) return {};
+    for (float& weight : guides.weight) weight /= sum;
+    for (; found < guides.corner.size(); ++found) guides.corner[found] = guides.corner[0];
+    guides.pass = static_cast<std::uint8_t>(pass);
+    // Blocks of the finer lattice come after those of the wider one.
+    const auto blocks = side / k_lattice;
+    const auto wide = static_cast<std::uint32_t>(step);
+    guides.block = (step == k_lattice ? 0 : blocks * blocks) + static_cast<std::uint32_t>(y0) / wide * (side / wide) +
+                   static_cast<std::uint32_t>(x0) / wide;
+    guides.number = static_cast<std::uint32_t>((y - y0) * k_lattice + (x - x0));
+    return guides;
+}
+
+// Gives the points between those of a lattice of pixels these as guides, where they are of one surface: first those of
+// a lattice that is half as wide, then all others these.
+// @param points    indices in the batch
+// @param answered  so many of them, from the first on, may be guides
+void EnvironmentLighting::find_guides(const PointBatch& batch, std::span<const std::uint32_t> points,
+                                      std::size_t answered)
+{
+    const Tile& tile = batch.tile;
+    const auto side = static_cast<std::uint32_t>(tile.side);
     guides_.assign(points.size(), {});
     if (batch.scattered()) return;
     asked_of_pixel_.assign(std::size_t{side} * side, k_nobody);
@@ -131,38 +179,10 @@ void EnvironmentLighting::find_guides(const PointBatch& batch, std::span<const s
             return (x % step == 0 || x == tile.width - 1) && (y % step == 0 || y == tile.height - 1);
         };
         if (on(k_lattice)) continue;
-        Guides guides;
-        guides.pass = on(k_lattice / 2) ? 1 : 2;
-        const int step = guides.pass == 1 ? k_lattice : k_lattice / 2;
-        // The lattice ends with the tile's last pixels.
-        const int x0 = x / step * step,
-                  x1 = x % step == 0 || x == tile.width - 1 ? x : std::min(x0 + step, tile.width - 1);
-        const int y0 = y / step * step,
-                  y1 = y % step == 0 || y == tile.height - 1 ? y : std::min(y0 + step, tile.height - 1);
-        const int left = x1 == x ? x : x0, top = y1 == y ? y : y0;
-        // Bilinear weights; one of both columns, or rows, where these are the same.
-        const float fx = x1 > left ? static_cast<float>(x - left) / static_cast<float>(x1 - left) : 0,
-                    fy = y1 > top ? static_cast<float>(y - top) / static_cast<float>(y1 - top) : 0;
-        std::size_t found = 0;
-        float sum = 0;
-        for (int corner = 0; corner < 4; ++corner) {
-            const int gx = corner % 2 == 0 ? left : x1, gy = corner < 2 ? top : y1;
-            const std::uint32_t guide =
-                asked_of_pixel_[static_cast<std::uint32_t>(gy) * side + static_cast<std::uint32_t>(gx)];
-            if (guide == k_nobody ||
-                batch.shadow_points[points[guide]].object != batch.shadow_points[points[k]].object ||
-                !continue_each_other(point, batch.points[points[guide]]))
-                continue;
-            guides.weight[found] = (corner % 2 == 0 ? 1 - fx : fx) * (corner < 2 ? 1 - fy : fy);
-            sum += guides.weight[found];
-            guides.corner[found++] = guide;
-        }
-        if (found < k_least_guides || !(sum > 0)) continue;
-        for (float& weight : guides.weight) weight /= sum;
-        for (; found < guides.corner.size(); ++found) guides.corner[found] = guides.corner[0];
-        guides.block = (static_cast<std::uint32_t>(y0 / 2) * side + static_cast<std::uint32_t>(x0)) / 2;
-        guides.number = static_cast<std::uint32_t>((y - y0) * k_lattice + (x - x0));
-        guides_[k] = guides;
+        // Where points of the finer lattice are not asked, those of the wider one are guides.
+        const int first = on(k_lattice / 2) ? k_lattice : k_lattice / 2;
+        for (int step = first; step <= k_lattice && guides_[k].pass == 0; step *= 2)
+            guides_[k] = guides_of(batch, points, k, answered, step, first == k_lattice ? 1 : 2);
     }
     for (std::size_t k = 0; k < guides_.size(); ++k)
         if (guides_[k].pass != 0)
@@ -170,7 +190,8 @@ void EnvironmentLighting::find_guides(const PointBatch& batch, std::span<const s
 }
 
 // Finds what the asked points see: by the lattice's places where these are alike, else by themselves.
-void EnvironmentLighting::find_seen(const PointBatch& batch, std::size_t tile)
+// @param before  of the asked points, those that are answered already
+void EnvironmentLighting::find_seen(const PointBatch& batch, std::size_t tile, std::size_t before)
 {
     const environment_light::EnvironmentLight& light = technique_.light();
     lattice_.find(batch, asked_);
@@ -197,29 +218,34 @@ void EnvironmentLighting::find_seen(const PointBatch& batch, std::size_t tile)
         apart_.push_back(asked_[k]);
     }
     places_.find(batch, apart_);
-    find_guides(batch, places_.own_points());
+    // Points that may follow will need guides, too.
+    follow_.insert(follow_.begin(), places_.own_points().begin(), places_.own_points().end());
+    find_guides(batch, follow_, places_.own());
+    guides_.resize(places_.own());
     for (std::size_t k = 0; k < guides_.size(); ++k) {
         const glm::vec3& throughput = batch.points[places_.own_points()[k]].throughput;
         const float share = batch.most_share * std::max({throughput.x, throughput.y, throughput.z});
-        const bool alone = guides_[k].pass == 0 && !guides_[k].guides;
-        guides_[k].coarse = alone && (batch.primary || share <= k_coarse_throughput);
+        const bool small = share <= k_coarse_throughput;
+        guides_[k].coarse = guides_[k].pass == 0 && (small || (batch.primary && !guides_[k].guides));
         guides_[k].unless_dark = share > k_coarse_throughput;
     }
     asked_places_.resize(places_.own());
     std::iota(asked_places_.begin(), asked_places_.end(), 0u);
-    light.visibility().find(scratch_, places_.places(), asked_places_, guides_, technique_.memory(tile), seen_);
-    if (passing_.any()) find_passing(batch);
+    light.visibility().find(own_scratch_, places_.places(), asked_places_, guides_, technique_.memory(tile), seen_,
+                            before);
+    if (passing_.any()) find_passing(batch, before);
     find_shared();
 }
 
 // Finds what surfaces that thin light let through to points with places of their own: guides first. Where these agree,
 // it is interpolated between them.
-void EnvironmentLighting::find_passing(const PointBatch& batch)
+void EnvironmentLighting::find_passing(const PointBatch& batch, std::size_t before)
 {
     const environment_light::EnvironmentLight& light = technique_.light();
-    own_passes_.assign(places_.own(), glm::vec3(1));
+    own_passes_.resize(before);
+    own_passes_.resize(places_.own(), glm::vec3(1));
     for (int pass = 0; pass <= k_passes; ++pass)
-        for (std::size_t k = 0; k < own_passes_.size(); ++k) {
+        for (std::size_t k = before; k < own_passes_.size(); ++k) {
             const Guides& guides = guides_[k];
             if (guides.pass != pass) continue;
             if (pass > 0) {
@@ -335,26 +361,32 @@ void EnvironmentLighting::see_between(const PlaceLattice::Around& around)
     }
 }
 
-void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
-                                const std::function<void(const TilePoint&, const glm::vec3&)>& add)
+// Whether a point could reflect light of the image.
+bool EnvironmentLighting::may_reflect(const TilePoint& point)
+{
+    const shading::SurfacePoint& s = point.surface;
+    if (s.model == scene::ShadingModel::unlit) return false;
+    // A smooth surface shows the image in the rays that it reflects.
+    const bool blurred = point.next.unresolved_weight != glm::vec3(0);
+    return s.diffuse != glm::vec3(0) || blurred || highlight_share(s) != 0;
+}
+
+void EnvironmentLighting::light_some(const PointBatch& batch, std::size_t tile, std::size_t first, std::size_t end,
+                                     const AddReflected& add)
 {
     interruption_point();
-    reflected_.assign(batch.points.size(), 0);
-    by_lobes_.assign(batch.points.size(), {});
-    hidden_.assign(batch.points.size(), 1);
-    asked_.clear();
-    for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
-        const shading::SurfacePoint& s = batch.points[p].surface;
-        if (s.model == scene::ShadingModel::unlit) continue;
-        // A smooth surface shows the image in the rays that it reflects.
-        const bool blurred = batch.points[p].next.unresolved_weight != glm::vec3(0);
-        if (s.diffuse == glm::vec3(0) && !blurred && highlight_share(s) == 0) continue;
-        asked_.push_back(p);
-    }
-    if (asked_.empty()) return;
-    find_seen(batch, tile);
+    if (first == 0) reflected_.clear(), by_lobes_.clear(), hidden_.clear(), asked_.clear();
+    reflected_.resize(batch.points.size(), 0);
+    by_lobes_.resize(batch.points.size());
+    hidden_.resize(batch.points.size(), 1);
+    const std::size_t before = asked_.size();
+    follow_.clear();
+    for (auto p = static_cast<std::uint32_t>(first); p < batch.points.size(); ++p)
+        if (may_reflect(batch.points[p])) (p < end ? asked_ : follow_).push_back(p);
+    if (asked_.size() == before) return;
+    find_seen(batch, tile, before);
     const environment_light::EnvironmentLight& light = technique_.light();
-    for (std::size_t k = 0; k < asked_.size(); ++k) {
+    for (std::size_t k = before; k < asked_.size(); ++k) {
         const TilePoint& point = batch.points[asked_[k]];
         const shading::SurfacePoint& s = point.surface;
         std::span<const std::uint64_t> seen;
@@ -390,7 +422,7 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
             light.mirrored().add(horizon, s.smooth_normal, smooth_seen_);
             seen = smooth_seen_;
         }
-        glm::vec3 radiance(0);
+        glm::vec3 radiance(0), by_lobe(0);
         if (s.diffuse != glm::vec3(0)) {
             const FromCells from_cells = plane ? interpolated(lattice_light_, *between)
                                          : shared && s.normal == horizon && !seen_smoothly
@@ -413,17 +445,20 @@ void EnvironmentLighting::light(const PointBatch& batch, std::size_t tile,
                                                                                   .horizon = s.smooth_normal,
                                                                                   .roughness = s.roughness},
                                                                                  seen, partial);
-            radiance += weight * of_image.light;
+            by_lobe = weight * of_image.light;
+            radiance += by_lobe;
             reflected = luminance(by_rays * of_image.light);
             by_lobes_[asked_[k]] = {highlight * of_image.share, highlight * of_image.open};
         }
-        if (passing_.any() && radiance != glm::vec3(0))
-            radiance *= between  ? interpolated(lattice_passes_, *between)
-                        : shared ? passing_.from_cells(s.normal, batch.shadow_points[asked_[k]].origin,
-                                                       light.visibility().cells(), seen, shared_rays)
-                                 : own_passes_[places_.place_of(apart_at_[k])];
+        if (passing_.any() && radiance != glm::vec3(0)) {
+            const glm::vec3 passes = between  ? interpolated(lattice_passes_, *between)
+                                     : shared ? passing_.from_cells(s.normal, batch.shadow_points[asked_[k]].origin,
+                                                                    light.visibility().cells(), seen, shared_rays)
+                                              : own_passes_[places_.place_of(apart_at_[k])];
+            radiance *= passes, by_lobe *= passes;
+        }
         reflected_[asked_[k]] = luminance(radiance) + reflected;
-        add(point, radiance);
+        add(point, radiance, by_lobe);
     }
 }
 
@@ -478,7 +513,7 @@ void EnvironmentLighting::light_by_suns(
         if (technique_.every_ray())
             guides_.clear();
         else
-            find_guides(batch, asked_);
+            find_guides(batch, asked_, asked_.size());
         sun.visibility->find(scratch_, batch.shadow_points, asked_, guides_,
                              technique_.every_ray() ? nullptr : technique_.memory(tile, static_cast<int>(i)), seen_);
         for (std::size_t k = 0; k < asked_.size(); ++k)

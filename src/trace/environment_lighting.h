@@ -75,11 +75,17 @@ class EnvironmentLighting {
         : technique_(technique), rays_(rays), passing_(rays), lattice_(rays), places_(rays, &technique.place_groups())
     {
     }
-    /// Calls add(point, radiance) with the light reflected at points of the batch towards the viewer, throughput left
-    /// out.
+    /// Calls add(point, radiance, by_lobe) with the light reflected at points of the batch towards the viewer, and with
+    /// the part of it that lobes reflect, throughput left out.
     /// @param tile  its number in the frame
-    void light(const PointBatch& batch, std::size_t tile,
-               const std::function<void(const TilePoint&, const glm::vec3&)>& add);
+    void light(const PointBatch& batch, std::size_t tile, const AddReflected& add)
+    {
+        light_some(batch, tile, 0, batch.points.size(), add);
+    }
+    /// The same for the points [first, end). Only of first hits; those before `first` are those of calls just before,
+    /// and may guide these. Of points after `end`, some may follow.
+    void light_some(const PointBatch& batch, std::size_t tile, std::size_t first, std::size_t end,
+                    const AddReflected& add);
     /// Of the last call of light(), by point of the batch: the luminance of the radiance that it added.
     std::span<const float> reflected() const { return reflected_; }
     struct ByLobe {
@@ -98,12 +104,20 @@ class EnvironmentLighting {
     /// Of the image, on a surface that sees everything above it. @pre has_image()
     glm::vec3 open_irradiance(const glm::vec3& normal) const { return technique_.light().light().irradiance(normal); }
     bool has_sun(scene::LightId light) const;
-    const environment_light::VisibilityCounters& counters() const { return scratch_.counters; }
+    environment_light::VisibilityCounters counters() const
+    {
+        environment_light::VisibilityCounters sum = scratch_.counters;
+        sum.add(own_scratch_.counters);
+        return sum;
+    }
 
  private:
-    void find_guides(const PointBatch& batch, std::span<const std::uint32_t> points);
-    void find_seen(const PointBatch& batch, std::size_t tile);
-    void find_passing(const PointBatch& batch);
+    static bool may_reflect(const TilePoint& point);
+    environment_light::Guides guides_of(const PointBatch& batch, std::span<const std::uint32_t> points, std::uint32_t k,
+                                        std::size_t answered, int step, int pass) const;
+    void find_guides(const PointBatch& batch, std::span<const std::uint32_t> points, std::size_t answered);
+    void find_seen(const PointBatch& batch, std::size_t tile, std::size_t before);
+    void find_passing(const PointBatch& batch, std::size_t before);
     void find_shared();
     bool is_between(std::size_t k) const;
     void see_between(const PlaceLattice::Around& around);
@@ -124,12 +138,14 @@ class EnvironmentLighting {
     std::vector<std::uint32_t> claimed_;         // indices of shared places
     std::deque<PlaceMemory::Place> abandoned_;   // stand in for places that another thread abandoned
     environment_light::SeenCells shared_seen_;
-    environment_light::CellVisibility::Scratch scratch_;
+    environment_light::CellVisibility::Scratch scratch_,
+        own_scratch_;   // the latter of points with places of their own
     environment_light::SeenCells seen_;
     std::vector<float> reflected_;
     std::vector<ByLobe> by_lobes_;
     std::vector<float> hidden_;
     std::vector<std::uint32_t> asked_;          // points that could reflect light
+    std::vector<std::uint32_t> follow_;         // of points that may follow, those that could
     std::vector<std::uint32_t> apart_;          // of these, those that are not between places
     std::vector<std::uint32_t> apart_at_;       // by asked point: its index there; k_between
     std::vector<std::uint64_t> between_mask_;   // what one point sees by the places around it

@@ -27,10 +27,11 @@ FewPlaces::FewPlaces(const scene::SizedLights& lights, const ray::RayScene& rays
     }
 }
 
-std::size_t FewPlaces::count(std::uint32_t light, const TilePoint& point, float arrives, float image) const
+std::size_t FewPlaces::count(std::uint32_t light, const TilePoint& point, float arrives, float image, float share) const
 {
     if (!(image > 0)) return 0;
-    const float steps = (point.lobe.rays > 1 ? k_lobe_steps : k_steps) * arrives / image;
+    const float mirrored = std::clamp(k_most_mirrored * share, k_least_mirrored, 1.0f);
+    const float steps = (point.lobe.rays > 1 ? k_lobe_steps : k_steps * mirrored) * arrives / image;
     const std::size_t most = std::min(k_most, lights_.lights()[light].places.size());
     if (!(steps <= static_cast<float>(most))) return 0;
     const std::size_t count = std::bit_ceil(static_cast<std::size_t>(std::max(std::ceil(steps), 1.0f)));

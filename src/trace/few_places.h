@@ -27,15 +27,19 @@ namespace gnomon::trace {
 class FewPlaces {
  public:
     static constexpr float k_steps = 512;
-    static constexpr float k_lobe_steps = 128;   // of points that one of several rays of a lobe met
-    static constexpr std::size_t k_most = 64;    // places; a light that needs more needs finer visibility
+    static constexpr float k_lobe_steps = 128;    // of points that one of several rays of a lobe met
+    static constexpr float k_most_mirrored = 4;   // a point whose light makes a share of a pixel needs that many
+                                                  // times this share of the steps
+    static constexpr float k_least_mirrored = 1 / 16.0f;   // likewise, at least
+    static constexpr std::size_t k_most = 64;              // places; a light that needs more needs finer visibility
 
     FewPlaces(const scene::SizedLights& lights, const ray::RayScene& rays);
 
     /// The number of places that do, as a power of two; 0: the light needs finer visibility.
     /// @param arrives  luminance that the point reflects of the light if it sees all of it
     /// @param image    luminance that it reflects of the environment image; 0: it sees nothing of it
-    std::size_t count(std::uint32_t light, const TilePoint& point, float arrives, float image) const;
+    /// @param share    that the light of a point makes, of its pixel
+    std::size_t count(std::uint32_t light, const TilePoint& point, float arrives, float image, float share) const;
 
     /// Some places of a light, each with its part of the area: so many, or all if there are fewer.
     std::span<const scene::SizedPlace> some(std::uint32_t light, std::size_t count) const

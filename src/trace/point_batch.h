@@ -6,6 +6,7 @@
 // nothing per point or ray, and so that its rays stay in full packets.
 
 #include <cstdint>
+#include <functional>
 #include <span>
 
 #include "base/tasks.h"
@@ -106,6 +107,10 @@ struct PointBatch {
 };
 
 /// The first hits of a tile, by ray.
+/// Takes radiance that a point reflects towards the viewer, throughput left out, and the part of it that comes from its
+/// lobes; the rest is proportional to its diffuse reflectance, but for sheen.
+using AddReflected = std::function<void(const TilePoint&, const glm::vec3& radiance, const glm::vec3& by_lobe)>;
+
 struct PrimaryRays {
     const ray::RayQueue& rays;
     const ray::Hits& hits;

@@ -63,6 +63,14 @@ glm::vec3 SizedLighting::reflected(const PointBatch& batch, std::uint32_t point,
 }
 
 // What is left of the light of a point that sees some of its places.
+// The part of it that lobes reflect.
+glm::vec3 SizedLighting::by_lobes(std::uint32_t point, const Arriving& light) const
+{
+    glm::vec3 radiance(0);
+    if (highlight_[point] > 0) radiance += highlight_[point] * light.base.lobe;
+    return coat_highlight_[point] > 0 ? radiance + coat_highlight_[point] * light.coat : radiance;
+}
+
 SizedLighting::Arriving SizedLighting::seen_of(const PointBatch& batch, const scene::SizedLight& light,
                                                const Asked& asked, std::span<const scene::SizedPlace> places,
                                                std::span<const std::uint8_t> seen, int whole) const
@@ -79,18 +87,17 @@ SizedLighting::Arriving SizedLighting::seen_of(const PointBatch& batch, const sc
 
 // Adds what a point reflects of the light that it sees.
 void SizedLighting::add_seen(const PointBatch& batch, const scene::SizedLight& light, const Asked& asked, Arriving seen,
-                             const std::function<void(const TilePoint&, const glm::vec3&)>& add)
+                             const AddReflected& add)
 {
     const TilePoint& point = batch.points[asked.point];
     if (passing_.any()) {
         const glm::vec3 passes = passing_.from_light(point.surface, batch.shadow_points[asked.point].origin, light);
         seen.base.irradiance *= passes, seen.base.lobe *= passes, seen.coat *= passes;
     }
-    add(point, reflected(batch, asked.point, seen));
+    add(point, reflected(batch, asked.point, seen), by_lobes(asked.point, seen));
 }
 
-void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
-                          const std::function<void(const TilePoint&, const glm::vec3&)>& add)
+void SizedLighting::light(const PointBatch& batch, std::span<const float> image, const AddReflected& add)
 {
     visibility_->prepare(batch);
     highlight_.resize(batch.points.size());
@@ -118,17 +125,19 @@ void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
             const bool lobe = highlight_[p] > 0, coat = coat_highlight_[p] > 0;
             if (s.model == scene::ShadingModel::unlit || (!lobe && !coat && s.diffuse == glm::vec3(0))) continue;
             Arriving arrives;
+            const float part =
+                batch.most_share * std::max({point.throughput.x, point.throughput.y, point.throughput.z});
             std::size_t few = 0;
             // Of a dim light, the places to which rays go say how bright it is.
             if (!image.empty() && image[p] > 0 && is_simple(s, light, lobe, coat)) {
                 arrives.base = shading::unshadowed_by_places(s, light, few_.some(l, k_simple_places), lobe);
-                if (arrives.any()) few = few_.count(l, point, luminance(reflected(batch, p, arrives)), image[p]);
+                if (arrives.any()) few = few_.count(l, point, luminance(reflected(batch, p, arrives)), image[p], part);
             }
             if (few == 0 || few > k_simple_places) {
                 arrives = {shading::unshadowed(s, light, lobe ? &*lobes_[p] : nullptr)};
                 if (coat) arrives.coat = shading::unshadowed(shading::coat_surface(s), light, &*coat_lobes_[p]).lobe;
                 if (!arrives.any()) continue;
-                few = image.empty() ? 0 : few_.count(l, point, luminance(reflected(batch, p, arrives)), image[p]);
+                few = image.empty() ? 0 : few_.count(l, point, luminance(reflected(batch, p, arrives)), image[p], part);
             }
             if (few > 0) {
                 dim_.push_back({p, arrives});

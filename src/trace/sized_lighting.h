@@ -36,8 +36,7 @@ class SizedLighting {
     /// Calls add(point, radiance) with the light reflected at points of the batch towards the viewer, throughput left
     /// out; light by light.
     /// @param image  by point: the luminance that it reflects of an environment image; empty: there is none
-    void light(const PointBatch& batch, std::span<const float> image,
-               const std::function<void(const TilePoint&, const glm::vec3&)>& add);
+    void light(const PointBatch& batch, std::span<const float> image, const AddReflected& add);
     /// To places of dim lights; others are counted by the worker.
     std::uint64_t few_rays() const { return few_.rays_traced(); }
     std::unique_ptr<SizedVisibility::Worker> take_worker() { return std::move(visibility_); }
@@ -65,10 +64,11 @@ class SizedLighting {
         Arriving arrives;
     };
     glm::vec3 reflected(const PointBatch& batch, std::uint32_t point, const Arriving& light) const;
+    glm::vec3 by_lobes(std::uint32_t point, const Arriving& light) const;
     Arriving seen_of(const PointBatch& batch, const scene::SizedLight& light, const Asked& asked,
                      std::span<const scene::SizedPlace> places, std::span<const std::uint8_t> seen, int whole) const;
     void add_seen(const PointBatch& batch, const scene::SizedLight& light, const Asked& asked, Arriving seen,
-                  const std::function<void(const TilePoint&, const glm::vec3&)>& add);
+                  const AddReflected& add);
 
     // Points that the present light could reach, by visibility; those between the horizons of smooth meshes apart.
     std::vector<Asked> fine_, dim_, between_;

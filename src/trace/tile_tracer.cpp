@@ -137,9 +137,12 @@ void TileTracer::shade_sample(int sample, Stopwatch& watch)
     shade_hits(primary_, true, sample, options_.max_depth == 0);
     watch.end(FrameTimes::surfaces);
     add_lights(batch(true, sample), watch);
-    add_environment(batch(true, sample), watch);
-    add_sized_lights(batch(true, sample), watch);
-    add_indirect(batch(true, sample));
+    add_suns(batch(true, sample), watch);
+    if (interpolates(sample)) {
+        shade_lattice(sample, watch);
+        return;
+    }
+    add_soft_light(true, sample, 0, points_.size(), watch);
     watch.end(FrameTimes::indirect);
 
     // Do the same for mirrored and refracted rays, one depth after the other, and for the rays of lobes.
@@ -147,6 +150,19 @@ void TileTracer::shade_sample(int sample, Stopwatch& watch)
     queue_continuations(true);
     follow_paths(sample, watch);
     trace_lobes(sample, watch);
+}
+
+// Adds the light of what has a size, and bounced light, to the points [first, end): see light_some().
+void TileTracer::add_soft_light(bool primary, int sample, std::size_t first, std::size_t end, Stopwatch& watch)
+{
+    const PointBatch all = batch(primary, sample);
+    add_image(all, first, end, watch);
+    PointBatch some = all;
+    some.points = all.points.subspan(first, end - first);
+    some.shadow_points = all.shadow_points.subspan(first, end - first);
+    some.normals = all.normals.subspan(first, end - first);
+    add_sized_lights(some, first, watch);
+    add_indirect(some);
 }
 
 // Follows the queued rays to the last depth.
@@ -166,9 +182,8 @@ void TileTracer::follow_paths(int sample, Stopwatch& watch)
             watch.end(FrameTimes::surfaces);
         }
         add_lights(batch(false, sample), watch);
-        add_environment(batch(false, sample), watch);
-        add_sized_lights(batch(false, sample), watch);
-        add_indirect(batch(false, sample));
+        add_suns(batch(false, sample), watch);
+        add_soft_light(false, sample, 0, points_.size(), watch);
         watch.end(FrameTimes::indirect_mirrored);
     }
 }
@@ -466,25 +481,27 @@ void TileTracer::find_passing(const scene::Light& light, const scene::LightState
 }
 
 // Adds the direct light of emissive surfaces, after that of the image: beside it, dim ones need few rays.
-void TileTracer::add_sized_lights(const PointBatch& batch, Stopwatch& watch)
+// @param first  of the points, among those of the image
+void TileTracer::add_sized_lights(const PointBatch& batch, std::size_t first, Stopwatch& watch)
 {
     if (!sized_) return;
-    const std::span<const float> image = sees_image_ ? environment_->reflected() : std::span<const float>();
-    sized_->light(batch, image, [&](const TilePoint& point, const glm::vec3& reflected) {
+    const std::span<const float> image =
+        sees_image_ ? environment_->reflected().subspan(first, batch.points.size()) : std::span<const float>();
+    sized_->light(batch, image, [&](const TilePoint& point, const glm::vec3& reflected, const glm::vec3& by_lobe) {
         const glm::vec3 radiance = point.throughput * reflected;
         add_light(point, radiance);
+        if (batch.primary) add_highlight(point, by_lobe);
         if (batch.primary && options_.layers) direct_[point.pixel] += radiance;
     });
     watch.end(FrameTimes::shadows);
 }
 
-// Adds the direct light of the environment image and of suns.
-void TileTracer::add_environment(const PointBatch& batch, Stopwatch& watch)
+// Adds the direct light of suns.
+void TileTracer::add_suns(const PointBatch& batch, Stopwatch& watch)
 {
     if (!environment_) return;
-    const std::size_t tile = number_of(tile_);
     const std::size_t lights = scene_.lights.size();
-    environment_->light_by_suns(batch, tile, state_,
+    environment_->light_by_suns(batch, number_of(tile_), state_,
                                 [&](const TilePoint& point, const glm::vec3& reflected, scene::LightId l, float share) {
                                     const glm::vec3 radiance = point.throughput * reflected;
                                     add_light(point, radiance);
@@ -492,17 +509,24 @@ void TileTracer::add_environment(const PointBatch& batch, Stopwatch& watch)
                                     direct_[point.pixel] += radiance;
                                     shadow_[point.pixel * lights + l] += share;
                                 });
-    if (sees_image_) {
-        environment_->light(batch, tile, [&](const TilePoint& point, const glm::vec3& reflected) {
-            const glm::vec3 radiance = point.throughput * reflected;
-            add_light(point, radiance);
-            if (batch.primary && options_.layers) direct_[point.pixel] += radiance;
-        });
-        for (std::size_t p = 0; p < points_.size(); ++p) {
-            const EnvironmentLighting::ByLobe& lobe = environment_->by_lobes()[p];
-            points_[p].image_by_lobe = lobe.share, points_[p].open = lobe.open;
-            points_[p].hidden = environment_->hidden()[p];
-        }
+    watch.end(FrameTimes::shadows);
+}
+
+// Adds the direct light of the environment image to the points [first, end).
+void TileTracer::add_image(const PointBatch& batch, std::size_t first, std::size_t end, Stopwatch& watch)
+{
+    if (!environment_ || !sees_image_) return;
+    environment_->light_some(batch, number_of(tile_), first, end,
+                             [&](const TilePoint& point, const glm::vec3& reflected, const glm::vec3& by_lobe) {
+                                 const glm::vec3 radiance = point.throughput * reflected;
+                                 add_light(point, radiance);
+                                 if (batch.primary) add_highlight(point, by_lobe);
+                                 if (batch.primary && options_.layers) direct_[point.pixel] += radiance;
+                             });
+    for (std::size_t p = first; p < end; ++p) {
+        const EnvironmentLighting::ByLobe& lobe = environment_->by_lobes()[p];
+        points_[p].image_by_lobe = lobe.share, points_[p].open = lobe.open;
+        points_[p].hidden = environment_->hidden()[p];
     }
     watch.end(FrameTimes::shadows);
 }
@@ -514,7 +538,7 @@ void TileTracer::add_indirect(const PointBatch& batch)
     interruption_point();
     indirect_->gather(batch, arrives_);
     for (std::size_t k = 0; k < arrives_.point.size(); ++k) {
-        const TilePoint& point = points_[arrives_.point[k]];
+        const TilePoint& point = batch.points[arrives_.point[k]];
         const auto reflected = [&](const glm::vec3& indirect, const glm::vec3& surroundings) {
             const shading::Continuation none;
             if (!point.glossy) {
@@ -548,7 +572,7 @@ void TileTracer::add_indirect(const PointBatch& batch)
     }
     if (!indirect_light_->reflects_lobes()) return;
     for (std::size_t k = 0; k < arrives_.lobe_point.size(); ++k) {
-        const TilePoint& point = points_[arrives_.lobe_point[k]];
+        const TilePoint& point = batch.points[arrives_.lobe_point[k]];
         add_color(point.pixel, point.lobe, point.throughput * arrives_.lobe_radiance[k]);
         if (point.lobe.batch != 0) continue;
         const glm::vec3 error = point.throughput * arrives_.lobe_error[k];

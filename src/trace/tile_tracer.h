@@ -102,6 +102,26 @@ class TileTracer {
     bool take_nearest(const TilePoint& point, const shading::CentreSample& own);
     void add_share(std::uint32_t to, const shading::CentreSample& own, const shading::CentreSample& of, float weight,
                    const float* values);
+    // Light of first samples that is interpolated between pixels (tile_lattice.cpp).
+    struct Around;
+    struct LatticePixel {
+        glm::vec3 diffuse{0}, specular{0}, normal{0};
+        float roughness = 0;
+        float coverage = 0, coat = 0, coat_roughness = 0;
+        glm::vec3 coat_normal{0};
+        float image_by_lobe = 0, hidden = 1;
+        glm::vec3 open{0};
+        int step = 0;   // of the widest lattice that it is on; 0: it shows no surface
+    };
+    bool interpolates(int sample) const;
+    void shade_lattice(int sample, Stopwatch& watch);
+    void note_points();
+    void move_chosen(std::size_t first);
+    bool find_around(const TilePoint& point, int step, Around& around) const;
+    bool is_alike(const Around& around) const;
+    bool take_light_around(TilePoint& point, int step);
+    bool take_mirrored_around(const TilePoint& point, int step);
+    void follow_lattice(int sample, Stopwatch& watch);
     // Of TileTracer::blur() (tile_blur.cpp).
     void shade_blurred(std::span<const FurtherSample> samples, const Blur& blur);
     bool take_lobe(const TilePoint& point, const shadow_culling::ShadowPoint& at);
@@ -138,9 +158,15 @@ class TileTracer {
         else
             add_color(point.pixel, point.lobe, radiance);
     }
+    void add_highlight(const TilePoint& point, const glm::vec3& by_lobe)
+    {
+        if (!highlights_.empty()) highlights_[point.pixel] += point.throughput * by_lobe;
+    }
     void add_lights(const PointBatch& batch, Stopwatch& watch);
-    void add_sized_lights(const PointBatch& batch, Stopwatch& watch);
-    void add_environment(const PointBatch& batch, Stopwatch& watch);
+    void add_suns(const PointBatch& batch, Stopwatch& watch);
+    void add_image(const PointBatch& batch, std::size_t first, std::size_t end, Stopwatch& watch);
+    void add_sized_lights(const PointBatch& batch, std::size_t first, Stopwatch& watch);
+    void add_soft_light(bool primary, int sample, std::size_t first, std::size_t end, Stopwatch& watch);
     void add_indirect(const PointBatch& batch);
     PathSplits split(const TilePoint& point, glm::vec3& reflected, glm::vec3& refracted) const;
     void queue_continuations(bool primary);
@@ -211,6 +237,13 @@ class TileTracer {
     std::vector<shading::CentreSample> met_;     // by sample of the list
     std::vector<shading::CentreSample> known_;   // by refined pixel and sample of the first few
     std::vector<float> single_values_;           // of one pixel
+
+    // Interpolated light, by pixel of the tile.
+    std::vector<LatticePixel> lattice_;
+    std::vector<glm::vec3> sharp_, sharp_direct_, sharp_indirect_;   // what every pixel has computed
+    std::vector<glm::vec3> highlights_;   // of the soft light, what lobes reflect directly; empty: is not asked for
+    std::vector<TilePoint> followed_;     // points whose continuations are followed
+    std::vector<char> chosen_;            // of the points from one on
 
     // Lobes of primary hits.
     int rays_of_lobe_ = 0;   // for each sample; 0: rough surfaces reflect by mirror rays

@@ -42,6 +42,8 @@ struct TracedOptions {
     PixelFilter filter = PixelFilter::box;   // not automatic
     /// More samples where something ends in a pixel (refinement.h). @pre samples is 1, and no random lobes
     bool adaptive = false;
+    /// Of these: soft light of first samples is interpolated between pixels where it is alike (tile_lattice.cpp).
+    bool interpolates = true;
     std::optional<float> exposure{};   // of these, in stops; none: that of the image of one sample a pixel
     shading::RefineOptions refine{};   // of these; its exposure is set from the above
     bool layers = false;               // fill all of shading::FrameBuffers, not `color` alone
