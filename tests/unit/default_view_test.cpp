@@ -3,11 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include "io/load.h"
 #include "scene/builtin/studio.h"
 #include "scene/defaults/framing.h"
 #include "scene/defaults/surface_points.h"
 #include "scene/defaults/surroundings.h"
 #include "scene/view.h"
+#include "support.h"
 
 namespace gnomon::scene {
 namespace {
@@ -81,6 +83,20 @@ TEST(DefaultView, InteriorIsBelievedOnlyIfItCannotBeSeenFromOutside)
     const DefaultView view = choose_view(state_of(drink));
     EXPECT_FALSE(view.room);
     EXPECT_GT(glm::length(view.eye - glm::dvec3(0.5, 0.6, 0.5)), 1.5);
+}
+
+// The front of a jug lies behind its lip as the back of a stage lies behind its opening, but no walls lead there.
+TEST(DefaultView, AJugWithALipIsNoStage)
+{
+    GNOMON_NEED_SCENE(jug, "real/jug_01_4k-transformed/jug_01_4k-transformed.glb");
+    GNOMON_NEED_SCENE(stage, "real/cornell_box/scene.gltf");
+    const auto is_stage = [](const std::filesystem::path& file) {
+        Scene scene = io::load_scene(file);
+        const auto interior = find_interior(scene);
+        return interior && interior->stage;
+    };
+    EXPECT_FALSE(is_stage(jug));
+    EXPECT_TRUE(is_stage(stage));
 }
 
 TEST(DefaultView, AvoidsTheUnseenBacksOfOneSidedSurfaces)
