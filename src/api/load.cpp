@@ -56,6 +56,7 @@ Scene load(const std::string& what, const LoadOptions& options)
         scene::add_default_camera(loaded);
         scene::SurroundingsOptions surroundings;
         surroundings.ground = options.ground;
+        if (options.strict) surroundings.fill = 0;
         scene::add_surroundings(loaded, surroundings);
     }
     interruption_point();

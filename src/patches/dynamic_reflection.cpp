@@ -7,6 +7,7 @@
 
 #include "base/interruption.h"
 #include "lighting/diffuse.h"
+#include "ray/light_through.h"
 #include "ray/origin.h"
 #include "shading/polygon_light.h"
 
@@ -51,12 +52,15 @@ DynamicReflection::Surface& DynamicReflection::surface_of(const scene::SceneStat
     if (surface.mesh == mesh) return surface;
     surface = {};
     surface.mesh = mesh;
-    // Sum the areas of what blocks light.
+    // Sum the areas of what blocks light, or thins it. Thin surfaces show their insides, too.
     surface.sums.resize(mesh->triangles.size());
     glm::dvec3 vectors(0);
+    bool thin = false;
     for (std::uint32_t t = 0; t < mesh->triangles.size(); ++t) {
         const scene::Material& material = state.scene().materials[mesh->part_of(t).material];
-        if (material.surface_class() != scene::SurfaceClass::transparent) {
+        const bool thins = scene::thins_light(material);
+        if (material.surface_class() != scene::SurfaceClass::transparent || thins) {
+            thin = thin || thins;
             const glm::uvec3 index = mesh->triangles[t];
             const glm::dvec3 a(mesh->positions[index.x]), b(mesh->positions[index.y]), c(mesh->positions[index.z]);
             const glm::dvec3 vector = 0.5 * glm::cross(b - a, c - a);
@@ -64,7 +68,7 @@ DynamicReflection::Surface& DynamicReflection::surface_of(const scene::SceneStat
         }
         surface.sums[t] = surface.area;
     }
-    surface.closed = glm::length(vectors) < k_closed * surface.area;
+    surface.closed = !thin && glm::length(vectors) < k_closed * surface.area;
     return surface;
 }
 
@@ -130,9 +134,15 @@ void DynamicReflection::add_places(const scene::SceneState& state, const ray::Ra
         const glm::vec3 position = (1 - place.u - place.v) * p[0] + place.u * p[1] + place.v * p[2];
         reflectors_.push_back({object, position, normal, position + ray::origin_lift(p) * normal, glm::vec3(0),
                                weight * place.share * static_cast<float>(area_of(p)), k});
-        albedo_.push_back(lighting::albedo(state.scene(), geometry, place.triangle, place.u, place.v));
-        reflected_.push_back(
-            lighting::exitance_per_irradiance(state.scene(), geometry, place.triangle, place.u, place.v));
+        const scene::Scene& scene = state.scene();
+        const scene::Material& material = scene.materials[geometry.mesh->part_of(place.triangle).material];
+        const float covered =
+            scene::thins_light(material)
+                ? ray::thin_surface(scene, *geometry.mesh, material, place.triangle, place.u, place.v).covered
+                : 1;
+        albedo_.push_back(covered * lighting::albedo(scene, geometry, place.triangle, place.u, place.v));
+        reflected_.push_back(covered *
+                             lighting::exitance_per_irradiance(scene, geometry, place.triangle, place.u, place.v));
     }
 }
 

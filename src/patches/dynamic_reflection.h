@@ -7,8 +7,9 @@
 // anything moves, each casts 8 rays; one that leaves the scene brings the light of the sky or of the environment image,
 // one that ends on a patch what that patch reflects, and one that ends on a dynamic object what the nearest place there
 // reflects, of lights without size as well; light bounces on between the places until a bounce brings less than a
-// thousandth. Emissive surfaces add their closed form where one ray past everything reaches them, at another of their
-// places for each place. Light that bounces from a dynamic object to a patch and back is left out.
+// thousandth. Surfaces that thin light reflect by their alpha; no rays end on them. Emissive surfaces add their closed
+// form where one ray past everything reaches them, at another of their places for each place. Light that bounces from a
+// dynamic object to a patch and back is left out.
 //
 // The result is a function of the present state. Cost: 8 rays and one for each light, for each place, of
 // which there are 256 of objects that move together and 1,024 of all, but at least one of each object. Of more than
@@ -43,7 +44,7 @@ class DynamicReflection {
     };
 
     /// Finds what dynamic objects reflect now. Neither the result nor its order depends on the objects' numbers.
-    /// @param groups  those that occlude light, by what moves together; some may be hidden
+    /// @param groups  those that occlude light or thin it, by what moves together; some may be hidden
     std::vector<Reflector> gather(const scene::SceneState& state, const ray::RayScene& rays,
                                   std::span<const std::vector<scene::ObjectId>> groups, const Light& light);
     struct Measured {
@@ -74,7 +75,7 @@ class DynamicReflection {
     // What is kept of an object.
     struct Surface {
         const scene::Mesh* mesh = nullptr;
-        double area = 0;            // at rest, of what occludes light
+        double area = 0;            // at rest, of what occludes light or thins it
         bool closed = false;        // only its front is lit
         std::vector<double> sums;   // of these areas, by triangle
         std::size_t wanted = 0;     // places

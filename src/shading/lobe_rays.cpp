@@ -2,6 +2,7 @@
 #include "shading/lobe_rays.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/sobol.h"
 #include "shading/glossy.h"
@@ -38,6 +39,19 @@ float curvature(const ray::ObjectGeometry& geometry, std::uint32_t triangle)
     return std::sqrt(most);
 }
 
+// How far the lobe's own axis, across normal and view, is turned from axes that follow the view alone, in turns.
+// Heitz's disk is laid out from the lobe's axis, which turns once around where a surface faces the viewer: the
+// pattern's error would turn with it, and show as a star there. From the view's axes it is laid out alike at all points
+// around. They are those of Frisvad, whose singular direction is straight up: seen from below.
+float turn_of_axis(const SurfacePoint& s)
+{
+    const glm::vec3 axis = glm::cross(s.normal, s.to_viewer), v = s.to_viewer;
+    if (axis == glm::vec3(0)) return 0;
+    const float a = 1 / std::max(1 + v.y, 1e-6f);
+    const glm::vec3 e1(-v.z * v.x * a, -v.z, 1 - v.z * v.z * a), e2(1 - v.x * v.x * a, -v.x, -v.z * v.x * a);
+    return std::atan2(glm::dot(axis, e2), glm::dot(axis, e1)) / (2 * static_cast<float>(k_pi));
+}
+
 }   // namespace
 
 float lobe_share(const SurfacePoint& s)
@@ -63,9 +77,11 @@ std::size_t lobe_rays(const SurfacePoint& s, std::uint32_t first, const glm::uve
 {
     std::size_t count = 0;
     glm::vec3 sum(0);
+    const float turn = turn_of_axis(s);
     for (std::uint32_t k = 0; k < rays.size(); ++k) {
         const std::uint32_t i = first + k;
-        const float u = fraction(reversed_bits(i) ^ flip.x), v = fraction(second_dimension(i) ^ flip.y);
+        const float u = fraction(reversed_bits(i) ^ flip.x), around = fraction(second_dimension(i) ^ flip.y) - turn;
+        const float v = around - std::floor(around);
         const glm::vec3 direction = sample_glossy(s, u, v);
         const float density = glossy_density(s, direction);
         // A ray below the triangle's plane would meet the triangle.

@@ -10,6 +10,7 @@
 
 #include "base/bits.h"
 #include "gnomon/gnomon.h"
+#include "support.h"
 
 namespace gnomon {
 namespace {
@@ -220,6 +221,26 @@ std::vector<float> values_of(const Frame& frame)
 }
 
 // A frame has the bytes of one that is rendered by itself, whatever a host changed before, for any number of threads.
+// Logs on a plain of snow, under a sun that shines on a kilometre of ground: a texel of its light map covers metres,
+// and one that lies on a sliver of a log's end brought it two million times its light.
+TEST(Bounces, SliversAreNotLitByWholeTexels)
+{
+    GNOMON_NEED_SCENE(file, "real/fireplace/fireplace.gltf");
+    LoadOptions loading;
+    loading.ground = true;
+    const Scene scene = load(file.string(), loading);
+    const auto mean_of = [&](int bounces) {
+        RenderOptions options = with_bounces(bounces);
+        options.layers = true;
+        const Frame frame = Renderer(options).render(scene, 1);
+        return spread_of(std::ranges::find(frame.layers, "indirect", &Layer::name)->values()).mean;
+    };
+    const double once = mean_of(1), twice = mean_of(2);
+    EXPECT_GT(once, 0);
+    RecordProperty("ratio", std::to_string(twice / once));
+    EXPECT_NEAR(twice / once, 1.2, 0.25);
+}
+
 TEST(Bounces, FollowAHostAsIfNew)
 {
     const Host host;

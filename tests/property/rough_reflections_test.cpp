@@ -285,6 +285,30 @@ TEST(LobeRays, SingleRaysOfManyPixelsMakeTheLobesIntegral)
     }
 }
 
+// The error of a pattern that turns with the normal around where a surface faces the viewer shows as a star there.
+TEST(LobeRays, AlikeAllAroundWhereASurfaceFacesTheViewer)
+{
+    for (const glm::vec3& view : {glm::vec3(0, 0, 1), glm::vec3(0.6f, 0.64f, 0.48f), glm::vec3(-0.8f, 0.6f, 0),
+                                  glm::vec3(0, 1, 0), glm::vec3(0, -0.6f, -0.8f)}) {
+        std::array<shading::LobeRay, 16> facing, around;
+        shading::SurfacePoint s = surface(0.3f, 1);
+        glm::vec3 x, y;
+        make_basis(view, x, y);
+        s.to_viewer = view;
+        for (int i = -1; i < 12; ++i) {
+            const double angle = 2 * k_pi * i / 12;
+            s.normal = glm::normalize(
+                view + 0.01f * (static_cast<float>(std::cos(angle)) * x + static_cast<float>(std::sin(angle)) * y));
+            s.geometric_normal = s.smooth_normal = s.normal;
+            const std::size_t count = shading::lobe_rays(s, 16, glm::uvec2(0), false, i < 0 ? facing : around);
+            ASSERT_EQ(count, 16u);
+            if (i < 0) continue;
+            for (std::size_t k = 0; k < count; ++k)
+                EXPECT_LT(glm::length(around[k].direction - facing[k].direction), 0.08f) << i << ' ' << k;
+        }
+    }
+}
+
 TEST(LobeRays, NeighbouringPixelsHaveBlocksOfTheirOwn)
 {
     std::array<bool, 64> met{};

@@ -20,6 +20,7 @@ struct Setting {
     Lit lit = Lit::spot;
     Place place = Place::nowhere;   // of the sheet
     Material sheet{};
+    Material wall{.base_color = {.8f, .8f, .8f}, .roughness = 1};
 };
 
 Material black(float alpha)
@@ -38,12 +39,13 @@ test::Shape upright(float z, float half)
 // A wall at z = -6, lit from z = -3, and a floor below the camera that faces neither the light nor the lit side of a
 // screen behind the light: only light that the wall reflects reaches it. The sheet stands between the light and the
 // wall, or between the light and the floor.
-Scene wall_and_floor(const Setting& setting, InstanceId* sheet = nullptr)
+Scene wall_and_floor(const Setting& setting, InstanceId* sheet = nullptr, InstanceId* wall = nullptr)
 {
     SceneBuilder b;
     const MaterialId white = b.material({.base_color = {.8f, .8f, .8f}, .roughness = 1});
     const MaterialId dark = b.material({.base_color = {0, 0, 0}, .roughness = 1});
-    b.instance(b.mesh(upright(-6, 2).mesh()), white);
+    const InstanceId made_wall = b.instance(b.mesh(upright(-6, 2).mesh()), b.material(setting.wall));
+    if (wall) *wall = made_wall;
     const test::Shape floor{{{-1, -3, 1}, {1, -3, 1}, {1, -3, -1}, {-1, -3, -1}}, {0, 1, 2, 0, 2, 3}};
     b.instance(b.mesh(floor.mesh()), white);
     switch (setting.lit) {
@@ -74,8 +76,8 @@ Scene wall_and_floor(const Setting& setting, InstanceId* sheet = nullptr)
         }
     }
     if (setting.place != Place::nowhere) {
-        const bool wall = setting.place == Place::before_the_wall;
-        const test::Shape shape = upright(wall ? -4.5f : -2.0f, 30);
+        const bool before_wall = setting.place == Place::before_the_wall;
+        const test::Shape shape = upright(before_wall ? -4.5f : -2.0f, 30);
         const InstanceId made = b.instance(b.mesh(shape.mesh()), b.material(setting.sheet));
         if (sheet) *sheet = made;
     }
@@ -267,6 +269,28 @@ TEST(ThinnedBounces, AMovingSheetThinsWhatReachesTheWall)
             EXPECT_NEAR(before_wall / still, 1, .06f) << static_cast<int>(lit) << ' ' << bounces;
             EXPECT_EQ(again, away);
         }
+}
+
+// The wall is a sheet that moves: it reflects the light of a surface by its alpha.
+TEST(ThinnedBounces, AMovingSheetReflectsByItsAlpha)
+{
+    for (const int bounces : {1, k_all_bounces}) {
+        const auto reflects = [&](float alpha) {
+            Setting setting{Lit::surface};
+            setting.wall.double_sided = true;
+            if (alpha < 1) setting.wall.alpha = alpha, setting.wall.alpha_mode = AlphaMode::blend;
+            InstanceId wall;
+            const Scene scene = wall_and_floor(setting, nullptr, &wall);
+            Renderer renderer(bounced(bounces));
+            renderer.render(scene, 1);
+            FrameInput input;
+            input.transforms.push_back({wall, Transform::translation(0, 0, 1e-3)});
+            return renderer.render(scene, input).layers.front().value(24, 25, 1);
+        };
+        const float whole = reflects(1);
+        ASSERT_GT(whole, .005f);
+        for (const float alpha : {.25f, .5f}) EXPECT_NEAR(reflects(alpha) / whole, alpha, .03f) << bounces;
+    }
 }
 
 TEST(ThinnedBounces, AnotherAlphaFromAHostShowsInTheNextFrame)

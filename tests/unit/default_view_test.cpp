@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include "io/load.h"
 #include "scene/builtin/studio.h"
+#include "scene/defaults/framing.h"
 #include "scene/defaults/surface_points.h"
 #include "scene/defaults/surroundings.h"
 #include "scene/view.h"
+#include "support.h"
 
 namespace gnomon::scene {
 namespace {
@@ -82,6 +85,20 @@ TEST(DefaultView, InteriorIsBelievedOnlyIfItCannotBeSeenFromOutside)
     EXPECT_GT(glm::length(view.eye - glm::dvec3(0.5, 0.6, 0.5)), 1.5);
 }
 
+// The front of a jug lies behind its lip as the back of a stage lies behind its opening, but no walls lead there.
+TEST(DefaultView, AJugWithALipIsNoStage)
+{
+    GNOMON_NEED_SCENE(jug, "real/jug_01_4k-transformed/jug_01_4k-transformed.glb");
+    GNOMON_NEED_SCENE(stage, "real/cornell_box/scene.gltf");
+    const auto is_stage = [](const std::filesystem::path& file) {
+        Scene scene = io::load_scene(file);
+        const auto interior = find_interior(scene);
+        return interior && interior->stage;
+    };
+    EXPECT_FALSE(is_stage(jug));
+    EXPECT_TRUE(is_stage(stage));
+}
+
 TEST(DefaultView, AvoidsTheUnseenBacksOfOneSidedSurfaces)
 {
     for (const bool away : {false, true}) {
@@ -150,10 +167,68 @@ TEST(Surroundings, OwnLightsSufficeIfTheyReachHalfOfWhatIsInView)
         scene.lights.push_back(light);
         scene.finish();
         add_default_camera(scene);
-        EXPECT_EQ(share_reached(scene) >= 0.5f, reaches);
-        add_surroundings(scene);
+        EXPECT_EQ(reached_by_lights(scene).share >= 0.5f, reaches);
+        const Scene bare = scene;
+        SurroundingsOptions no_fill;
+        no_fill.fill = 0;
+        add_surroundings(scene, no_fill);
         EXPECT_EQ(scene.background.kind == Background::Kind::color, reaches);
         EXPECT_EQ(scene.objects.size(), reaches ? 1u : 2u);
+        // What is beyond the box is not black in any case: a studio stands there whose light is a part of the file's.
+        Scene filled = bare;
+        add_surroundings(filled);
+        ASSERT_EQ(filled.background.kind, Background::Kind::image);
+        const float studio = luminance(studio_environment()->irradiance({0, 1, 0}));
+        const float fill = luminance(filled.background.environment->irradiance({0, 1, 0}));
+        EXPECT_NEAR(fill, reaches ? SurroundingsOptions{}.fill * reached_by_lights(bare).bright : studio, 0.01f * fill);
+    }
+}
+
+TEST(Surroundings, RoomsAndImagesWithoutGapsKeepTheirLightsAlone)
+{
+    for (const bool close : {false, true}) {
+        Mesh mesh;
+        add_box(mesh, {-1, 0, -1}, {2, 2, 2}, true, close ? 63 : 31);   // open at high z
+        add_box(mesh, {-0.3f, 0, -0.3f}, {0.6f, 0.8f, 0.6f}, false);
+        Scene scene = scene_of(mesh);
+        Light light;
+        light.type = LightType::point;
+        light.color = glm::vec3(1);
+        light.node = scene.add_node("light", none);
+        scene.nodes[light.node].local[3] = glm::dvec4(0, 1.8, 0.6, 1);
+        scene.lights.push_back(light);
+        scene.finish();
+        add_default_camera(scene);
+        add_surroundings(scene);
+        EXPECT_EQ(scene.background.kind, Background::Kind::color) << close;
+    }
+}
+
+// A floor on which something small stands is cut off by the image's sides. What stands there is whole, and large.
+TEST(DefaultView, WideFloorsAreNotFramed)
+{
+    for (const float half : {1.4f, 8.0f}) {
+        Scene scene;
+        scene.materials.emplace_back();
+        for (const bool floor : {true, false}) {
+            Mesh mesh;
+            if (floor)
+                add_box(mesh, {-half, -0.01f, -half}, {2 * half, 0.01f, 2 * half}, false);
+            else
+                add_box(mesh, {-0.5f, 0, -0.5f}, {1, 1, 1}, false);
+            scene.meshes.push_back(std::move(mesh));
+            scene.nodes.emplace_back().mesh = floor ? 0 : 1;
+        }
+        scene.finish();
+        const bool wide = half > 2;
+        EXPECT_EQ(surrounding_objects(state_of(scene)).size(), wide ? 2u : 0u);
+        const DefaultView view = choose_view(state_of(scene));
+        glm::dmat4 world(view.axes);
+        world[3] = glm::dvec4(view.eye, 1);
+        const TestImage image = test_image_of(state_of(scene), view.camera, world);
+        std::size_t box = 0;
+        for (const TestPixel& pixel : image.pixels) box += pixel.object == 1;
+        EXPECT_EQ(static_cast<float>(box) > 0.2f * static_cast<float>(image.pixels.size()), wide) << box;
     }
 }
 
@@ -178,7 +253,7 @@ TEST(Surroundings, WhatShowsBlackBesideTheRestIsNotReached)
         add_sun({1, 0.1, 1}, dim ? 1e-3f : 1.0f);
         scene.finish();
         add_default_camera(scene);
-        EXPECT_EQ(share_reached(scene) < 0.5f, dim);
+        EXPECT_EQ(reached_by_lights(scene).share < 0.5f, dim);
     }
 }
 
@@ -191,7 +266,9 @@ TEST(Surroundings, LandscapesLieUnderTheSky)
     add_default_camera(scene);
     add_surroundings(scene);
     EXPECT_EQ(scene.background.kind, Background::Kind::sky);
-    EXPECT_EQ(scene.objects.size(), 1u);
+    // What stands beside the landscape's edge casts its shadow on a ground.
+    ASSERT_EQ(scene.objects.size(), 2u);
+    EXPECT_TRUE(scene.objects[1].by_default);
 }
 
 TEST(Surroundings, GroundCanBeChosen)

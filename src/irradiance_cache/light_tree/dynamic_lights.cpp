@@ -194,8 +194,10 @@ void LightTree::gather_dynamic()
     std::vector<DynamicVirtualLight> others;
     Octants of_others(others, dynamic_halves_);
     const std::vector<glm::vec3> exitance = patches_->exitance_now(lost_);
+    std::vector<std::vector<scene::ObjectId>> groups = dynamic_groups_;
+    groups.insert(groups.end(), thin_groups_.begin(), thin_groups_.end());
     for (const patches::DynamicReflection::Reflector& r :
-         reflection_.gather(*state_, *rays_, dynamic_groups_,
+         reflection_.gather(*state_, *rays_, groups,
                             {patches_->patches(), exitance, patches_->surroundings(), sized_,
                              std::max(patches_->bounce_count() - 1, 0)}))
         of_others.add({owner_of(r.object), r.position, r.normal, r.sample, r.flux, r.area});

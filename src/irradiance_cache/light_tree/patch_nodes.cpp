@@ -9,7 +9,8 @@ namespace gnomon::irradiance_cache {
 
 namespace {
 
-constexpr float k_much = 0.1f;   // of the light of the brightest child
+constexpr float k_much = 0.1f;        // of the light of the brightest child
+constexpr float k_most_covered = 4;   // areas of a patch that a light's leaves on it may have
 
 void add_moved(const Box3& box, const glm::mat4& moved, Box3& to)
 {
@@ -66,19 +67,32 @@ void LightTree::note_patch(View& view, std::uint32_t leaf_number, const Leaf& le
     if (patch != patches::k_no_patch) view.patch[leaf_number] = static_cast<std::uint16_t>(patch);
 }
 
-// Sums the flux of the light maps' leaves by patch: of all, or of those that dynamic objects occlude.
+// Sums the flux of the light maps' leaves by patch: of all, or of those that dynamic objects occlude. A leaf may be far
+// larger than the patch on which its middle lies, where a light shines on more than its map resolves. Then all of its
+// light would make the patch many times as bright as the surface is: no more counts than a few times the patch's area
+// brings.
 std::vector<glm::vec3> LightTree::lit_patches(bool lost_only) const
 {
     std::vector<glm::vec3> lit;
     if (!patches_->bounces()) return lit;
-    lit.assign(patches_->patches().patches().size(), glm::vec3(0));
+    const std::span<const patches::Patch> all = patches_->patches().patches();
+    lit.assign(all.size(), glm::vec3(0));
+    std::vector<float> covered(all.size());   // by patch: the area of a view's leaves
     for (const View& view : views_) {
         if (!view.on || view.patch.empty()) continue;
         const NodeId leaves = first_of_level(view, view.levels);
+        std::fill(covered.begin(), covered.end(), 0.0f);
+        for (std::size_t i = 0; i < view.patch.size(); ++i) {
+            const NodeId leaf = leaves + static_cast<NodeId>(i);
+            if (view.patch[i] != patches::PatchLinks::k_none && quads_[leaf / 4].flux[leaf % 4] > 0)
+                covered[view.patch[i]] += quads_[leaf / 4].area[leaf % 4];
+        }
         for (std::size_t i = 0; i < view.patch.size(); ++i) {
             if (view.patch[i] == patches::PatchLinks::k_none) continue;
             const NodeId leaf = leaves + static_cast<NodeId>(i);
-            lit[view.patch[i]] += lost_only ? static_flux_.at(leaf) - flux_.at(leaf) : static_flux_.at(leaf);
+            const glm::vec3 flux = lost_only ? static_flux_.at(leaf) - flux_.at(leaf) : static_flux_.at(leaf);
+            const float most = k_most_covered * all[view.patch[i]].area, area = covered[view.patch[i]];
+            lit[view.patch[i]] += area > most ? most / area * flux : flux;
         }
     }
     return lit;

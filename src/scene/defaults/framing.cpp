@@ -14,6 +14,9 @@ namespace {
 
 constexpr double k_least_distance = 0.05;   // in front of the nearest point, as a fraction of the scene's size
 constexpr double k_least_size = 1e-6;
+// A floor: flat, and so many times as wide as what stands on it, which is not flat itself.
+constexpr float k_floor_height = 0.02f, k_floor_width = 3, k_standing = 0.1f;
+constexpr float k_sunk = 0.25f;   // of the height of what stands on a floor may be below it
 
 // Of many points, a camera need not fit those within polygons that it fits already. The nearest ones count, too.
 class OuterPoints {
@@ -149,6 +152,33 @@ Box3 box_of(const SceneState& state, ObjectId id)
     return box;
 }
 
+// Whether a box is that of a wide floor below others.
+bool is_wide_floor(const Box3& box, const Box3& rest)
+{
+    if (box.empty() || rest.empty()) return false;
+    const glm::vec3 size = box.size(), of_rest = rest.size(), middle = rest.centre();
+    const float side = std::min(size.x, size.z), widest = std::max(of_rest.x, of_rest.z);
+    if (!(side > k_floor_width * widest) || size.y > k_floor_height * side) return false;
+    if (of_rest.y < k_standing * widest || rest.low.y < box.low.y - k_sunk * of_rest.y) return false;
+    return middle.x > box.low.x && middle.x < box.high.x && middle.z > box.low.z && middle.z < box.high.z;
+}
+
+// Leaves out one floor, if there is one, of the objects that are not left out.
+bool leave_out_floor(const Scene& scene, const std::vector<Box3>& boxes, std::vector<char>& left_out)
+{
+    const auto width = [&](ObjectId id) { return std::min(boxes[id].size().x, boxes[id].size().z); };
+    ObjectId widest = none;
+    for (ObjectId id = 0; id < scene.objects.size(); ++id)
+        if (!left_out[id] && !boxes[id].empty() && (widest == none || width(id) > width(widest))) widest = id;
+    if (widest == none || scene.objects[widest].dynamic) return false;
+    Box3 rest;
+    for (ObjectId id = 0; id < scene.objects.size(); ++id)
+        if (!left_out[id] && id != widest && !boxes[id].empty()) rest.add(boxes[id].low), rest.add(boxes[id].high);
+    if (!is_wide_floor(boxes[widest], rest)) return false;
+    left_out[widest] = 1;
+    return true;
+}
+
 }   // namespace
 
 std::vector<char> surrounding_objects(const SceneState& state)
@@ -161,7 +191,6 @@ std::vector<char> surrounding_objects(const SceneState& state)
                        std::all_of(mesh.parts.begin(), mesh.parts.end(),
                                    [&](const MeshPart& part) { return scene.materials[part.material].outline; });
     }
-    if (std::find(left_out.begin(), left_out.end(), 1) == left_out.end()) return {};
     // A floor below a dome may be as wide as it; what stands there is the rest.
     Box3 dome;
     std::vector<Box3> boxes(scene.objects.size());
@@ -181,6 +210,9 @@ std::vector<char> surrounding_objects(const SceneState& state)
         if (left_out[id] || floors[id]) left_out[id] = !rest.empty() && boxes[id].diagonal() > k_dome * rest.diagonal();
         any = any || left_out[id];
     }
+    // So may a floor without a dome, and another one below it.
+    constexpr int k_floors = 4;
+    for (int floor = 0; floor < k_floors && leave_out_floor(scene, boxes, left_out); ++floor) any = true;
     return any ? left_out : std::vector<char>();
 }
 

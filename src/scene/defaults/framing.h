@@ -35,7 +35,8 @@ struct Framed {
 };
 
 /// The objects that need not be in view because they are the surroundings of the others: those that cast no shadow and
-/// are far larger than the rest, like the dome of a sky. Empty if there are none.
+/// are far larger than the rest, like the dome of a sky, and flat floors that are several times as wide as what stands
+/// on them. Empty if there are none.
 std::vector<char> surrounding_objects(const SceneState& state);
 
 /// All objects but the largest and those near it; empty if that leaves out none.

@@ -15,6 +15,8 @@ constexpr float k_stage_margin = 1.06f;
 constexpr int k_stage_rays = 12;         // along each side of the opening
 constexpr float k_stage_open = 0.85f;    // fraction of them that must enter
 constexpr float k_stage_depth = 0.12f;   // to at least this fraction of the depth
+constexpr float k_stage_walled =
+    0.7f;   // fraction of the directions across, just within the opening, that meet its walls
 constexpr int k_headings = 16;
 constexpr float k_least_room = 0.06f;   // no surface nearer than this in the view, as a fraction of the longest side
 constexpr float k_height_weight[3] = {1.0f, 0.8f,
@@ -24,6 +26,28 @@ float longest_side(const Box3& box)
 {
     const glm::vec3 size = box.size();
     return std::max({size.x, size.y, size.z});
+}
+
+// How much of what lies across, as seen from places just within a side of the box, are fronts of surfaces: walls, a
+// floor and a ceiling. Beside a lip or a handle that stands out from a pot there are none.
+float walled(const SpaceGrid& grid, int axis, float sign)
+{
+    constexpr int k_places = 5;
+    const Box3& box = grid.box();
+    const glm::vec3 size = box.size();
+    const int across = 2 - axis;
+    glm::vec3 along(0), up(0, 1, 0);
+    along[across] = 1;
+    int met = 0;
+    for (int i = 0; i < k_places * k_places; ++i) {
+        glm::vec3 from;
+        from[axis] = (sign > 0 ? box.low[axis] : box.high[axis]) + sign * 0.5f * k_stage_depth * size[axis];
+        from[across] = box.low[across] + size[across] * (static_cast<float>(i % k_places) + 0.5f) / k_places;
+        from.y = box.low.y + size.y * (static_cast<float>(i / k_places) + 0.5f) / k_places;
+        for (const glm::vec3& direction : {along, -along, up, -up})
+            met += grid.cast(from, direction).met == SpaceGrid::Met::front;
+    }
+    return static_cast<float>(met) / (4 * k_places * k_places);
 }
 
 // Finds a box that is open on one upright side, like a stage. The camera stands before it, so that the opening fills
@@ -50,7 +74,7 @@ bool find_stage(const SpaceGrid& grid, Interior& result)
             open += hit.met == SpaceGrid::Met::front && hit.distance - grid.cell() > k_stage_depth * size[axis];
         }
         const float entered = static_cast<float>(open) / (k_stage_rays * k_stage_rays);
-        if (entered <= best) continue;
+        if (entered <= best || walled(grid, axis, sign) < k_stage_walled) continue;
         best = entered, found = true;
         result.direction = direction;
         result.eye = box.centre();

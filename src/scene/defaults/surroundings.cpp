@@ -53,9 +53,20 @@ bool is_landscape(const SceneState& state, const SurroundingsOptions& options)
     return static_cast<double>(image.shown()) * side >= static_cast<double>(options.landscape_cover) * other;
 }
 
-void add_studio(Scene& scene, const SurroundingsOptions& options)
+// The studio, with so many times its radiance.
+std::shared_ptr<const Environment> scaled_studio(float scale)
 {
-    const auto environment = studio_environment();
+    if (scale == 1) return studio_environment();
+    ImageF image = studio_environment()->image();
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+            for (int c = 0; c < 3; ++c) image.pixel(x, y)[c] *= scale;
+    return std::make_shared<const Environment>(std::move(image));
+}
+
+void add_studio(Scene& scene, const SurroundingsOptions& options, float scale)
+{
+    const auto environment = scaled_studio(scale);
     int number = 0;
     for (const EnvironmentLight& part : environment->lights(options.lights)) {
         Light light;
@@ -80,6 +91,13 @@ bool looks_from_above(const Scene& scene, const SceneState& state)
 {
     if (scene.cameras.empty()) return true;
     return state.world(scene.cameras.front().node)[3].y > static_cast<double>(box_of_clip(scene).box.low.y);
+}
+
+// Whether a scene is seen as a room that is open in front.
+bool before_stage(const Scene& scene)
+{
+    const auto room = believed_interior(state_at_start(scene));
+    return room && room->stage;
 }
 
 // The fraction of the surfaces in view that no light from outside reaches. Unlit ones need none.
@@ -112,12 +130,12 @@ float share_shut_off(const SceneState& state)
 
 }   // namespace
 
-float share_reached(const Scene& scene)
+Reached reached_by_lights(const Scene& scene)
 {
-    if (scene.lights.empty() || scene.cameras.empty()) return 0;
+    if (scene.lights.empty() || scene.cameras.empty()) return {};
     const SceneState state = state_at_start(scene);
     const SpaceGrid grid(scene, scene.timeline.start);
-    if (grid.empty()) return 0;
+    if (grid.empty()) return {};
     const Camera& camera = scene.cameras.front();
     const TestImage image = test_image_of(state, camera, state.world(camera.node));
     // The irradiance of a surface by one light.
@@ -148,13 +166,18 @@ float share_reached(const Scene& scene)
         float& sum = light.emplace_back(0);
         for (std::size_t l = 0; l < scene.lights.size(); l += step) sum += arrives(l, pixel.position, pixel.normal);
     }
-    if (light.empty()) return asked > 0 ? 1.0f : 0.0f;
+    Reached result;
+    result.filled = static_cast<float>(asked) / static_cast<float>(image.pixels.size());
+    if (asked > 0) result.share = 1;
+    if (light.empty()) return result;
     // What is far darker than the bright parts of the image shows as black there.
     const auto bright = light.begin() + static_cast<std::ptrdiff_t>(k_bright * static_cast<double>(light.size() - 1));
     std::nth_element(light.begin(), bright, light.end());
+    result.bright = *bright;
     const float least = k_least_light * *bright;
     for (const float sum : light) reached += sum > 0 && sum >= least;
-    return static_cast<float>(reached) / static_cast<float>(asked);
+    result.share = static_cast<float>(reached) / static_cast<float>(asked);
+    return result;
 }
 
 void add_ground(Scene& scene, const char* name)
@@ -191,7 +214,8 @@ void add_surroundings(Scene& scene, const SurroundingsOptions& options)
     GNOMON_CHECK(!scene.child_begin.empty());   // after finish()
     const bool has_own = !scene.lights.empty();
     bool ground = options.ground.value_or(false);
-    if (!(has_own && share_reached(scene) >= options.enough_reached)) {
+    const Reached reached = reached_by_lights(scene);
+    if (!(has_own && reached.share >= options.enough_reached)) {
         const char* const why =
             has_own ? "no light in the scene reaches half of what is in view" : "no light in the scene";
         const SceneState state = state_at_start(scene);
@@ -200,14 +224,21 @@ void add_surroundings(Scene& scene, const SurroundingsOptions& options)
             add_light_of_place(scene, *room, why);
         } else if (is_landscape(state, options)) {
             add_sky_and_sun(scene, nullptr, why);
+            ground = options.ground.value_or(looks_from_above(scene, state));
         } else {
             // A closed shell that is seen through its one-sided walls would be black inside.
             if (!room && share_shut_off(state) > options.shut_off && open_shells(scene) > 0)
                 scene.warnings.emplace_back("one-sided walls around what is in view cast no shadow");
             ground = options.ground.value_or(!room && !scene.objects.empty() && looks_from_above(scene, state));
-            add_studio(scene, options);
+            add_studio(scene, options, 1);
             scene.warnings.push_back(fmt::format("{}: added a studio{}", why, ground ? " and a ground" : ""));
         }
+    } else if (options.fill > 0 && reached.bright > 0 && reached.filled < options.enough_filled &&
+               !scene.objects.empty() && scene.cameras.front().fit && !before_stage(scene)) {
+        // Objects before nothing, and shadows into which no light comes, are black.
+        const glm::vec3 up = studio_environment()->irradiance({0, 1, 0});
+        add_studio(scene, options, options.fill * reached.bright / luminance(up));
+        scene.warnings.emplace_back("no surroundings in the scene: added a dim studio around what its lights reach");
     }
     if (ground) add_ground(scene, options.ground ? k_wanted_ground : k_default_ground);
 }

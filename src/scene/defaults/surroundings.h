@@ -4,7 +4,8 @@
 // landscapes and courtyards lie under a sky and a sun; closed rooms have a light below the ceiling.
 //
 // A scene's own lights and emissive surfaces are enough if they reach at least half of the surfaces in view of its
-// camera. Whether something is in between is asked of a coarse grid (SpaceGrid).
+// camera. Where the default camera also shows what is beyond them, a dim studio stands around what they light, because
+// it would be black there. Whether something is in between is asked of a coarse grid (SpaceGrid).
 
 #include <optional>
 
@@ -15,6 +16,8 @@ namespace gnomon::scene {
 struct SurroundingsOptions {
     std::optional<bool> ground;      // none: with the studio
     float enough_reached = 0.5f;     // of the surfaces in view
+    float enough_filled = 0.9f;      // of the default camera's image, by surfaces: nothing else needs surroundings
+    float fill = 0.25f;              // the studio's light on what faces up, of what own lights bring; 0: no fill
     float landscape_side = 15;       // metres: the least longer horizontal side of a landscape
     float landscape_depth = 0.3f;    // at least this fraction of it is the shorter one
     float landscape_height = 0.6f;   // at most this fraction of it is the height
@@ -34,8 +37,12 @@ inline constexpr const char* k_wanted_ground = "ground";
 /// catches_shadows. Finishes the scene.
 void add_ground(Scene& scene, const char* name);
 
-/// The fraction of the surfaces in view of a scene's first camera that its lights reach, and leave not so dark that
-/// they look black beside the others.
-float share_reached(const Scene& scene);
+/// What a scene's lights reach of the surfaces in view of its first camera.
+struct Reached {
+    float share = 0;    // of these surfaces, and not so dark that they look black beside the others
+    float filled = 0;   // of a square image, by surfaces
+    float bright = 0;   // luminance of the irradiance that nine tenths do not exceed
+};
+Reached reached_by_lights(const Scene& scene);
 
 }   // namespace gnomon::scene
