@@ -139,6 +139,8 @@ void LightTree::build(Tasks& tasks)
     quads_.assign(end / 4, {});
     GNOMON_CHECK(end <= k_most_nodes);
     samples_.places.assign(end, glm::vec4(0));
+    samples_.leaves.resize(end);
+    std::iota(samples_.leaves.begin(), samples_.leaves.end(), NodeId{0});
     differing_ = 0;
     for (Flux* flux : {&flux_, &static_flux_})
         for (auto* lane : {&flux->r, &flux->g, &flux->b}) lane->assign(end, 0.0f);
@@ -310,8 +312,8 @@ void LightTree::make_view(View& view)
                 const Node& part = node_of(c);
                 if (!(part.flux > 0)) continue;
                 node.radius = std::max(node.radius, glm::length(part.position - node.position) + part.radius);
-                const float distance = glm::length(part.sample - node.position);
-                if (distance < nearest) nearest = distance, node.sample = part.sample;
+                if (const float distance = glm::length(part.sample - node.position); distance < nearest)
+                    nearest = distance, node.sample = part.sample, samples_.leaves[id] = samples_.leaves[c];
             }
         }
     for (NodeId id = view.first; id < end; ++id) {
@@ -581,7 +583,7 @@ float LightTree::leaf_spacing() const
 std::size_t LightTree::bytes() const
 {
     std::size_t bytes = quads_.size() * sizeof(VirtualLightQuad) +
-                        children_.size() * (10 * sizeof(float) + sizeof(NodeId)) +
+                        children_.size() * (10 * sizeof(float) + 2 * sizeof(NodeId)) +
                         patch_difference_.r.size() * 3 * sizeof(float);
     for (const View& view : views_) bytes += view.patch.size() * sizeof(std::uint16_t);
     if (patches_) bytes += patches_->bytes() + lit_areas_.capacity() * sizeof(float);

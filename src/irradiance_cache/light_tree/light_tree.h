@@ -136,6 +136,7 @@ class LightTree {
     /// differs from the static flux, else 0; both are read together.
     struct Samples {
         std::vector<glm::vec4> places;
+        std::vector<NodeId> leaves;   // by node: the leaf that the place lies on
         glm::vec3 at(NodeId id) const { return glm::vec3(places[id]); }
     };
     const Samples& samples() const { return samples_; }

@@ -112,6 +112,7 @@ void LightTree::light_patches(Tasks& tasks)
             const NodeId id = patch_first_ + static_cast<NodeId>(n);
             VirtualLightQuad& quad = quads_[id / 4];
             glm::vec3 position(0), normal(0), sample(0), flux(0);
+            NodeId leaf = id;   // that the sample lies on
             float radius = 0, area = 0;
             float& lit = lit_areas_[n];
             if (tree.patch[n] != patches::k_no_patch) {
@@ -145,13 +146,13 @@ void LightTree::light_patches(Tasks& tasks)
                     if (below.flux[c] < least) continue;
                     const glm::vec3 place = samples_.at(first + c);
                     const float distance = glm::length(place - position);
-                    if (distance < nearest) nearest = distance, sample = place;
+                    if (distance < nearest) nearest = distance, sample = place, leaf = samples_.leaves[first + c];
                 }
             }
             quad.x[lane] = position.x, quad.y[lane] = position.y, quad.z[lane] = position.z;
             quad.nx[lane] = normal.x, quad.ny[lane] = normal.y, quad.nz[lane] = normal.z;
             quad.radius[lane] = radius, quad.area[lane] = area, quad.flux[lane] = luminance(flux);
-            samples_.places[id] = glm::vec4(sample, 0);
+            samples_.places[id] = glm::vec4(sample, 0), samples_.leaves[id] = leaf;
             static_flux_.set(id, flux), flux_.set(id, flux);
         }
     patch_difference_ = {};

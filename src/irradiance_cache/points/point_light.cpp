@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "irradiance_cache/light_tree/facing_place.h"
 #include "irradiance_cache/near_field/near_light.h"
 #include "irradiance_cache/points/point_device.h"
 
@@ -64,10 +65,12 @@ void StaticVisibility::add_node(const CacheFrame& frame, const CachePoint& point
 {
     // The sum is irradiance for the point's own normal. For other normals it must stay bounded at grazing angles.
     constexpr float k_least_cosine = 0.1f;
-    const glm::vec3 to = frame.lights.samples().at(node) - point.origin();
+    const glm::vec3 sample = frame.lights.samples().at(node) - point.origin();
+    const float cosine = glm::dot(sample, point.normal) / glm::length(sample);
+    if (!(glm::dot(sample, point.horizon) > 0) || !(cosine > 0)) return;
+    const glm::vec3 to =
+        facing_place(frame.lights, node, {point.origin(), point.normal, point.horizon}) - point.origin();
     const float distance = glm::length(to);
-    const float cosine = glm::dot(to, point.normal) / distance;
-    if (!(glm::dot(to, point.horizon) > 0) || !(cosine > 0)) return;
     const float fraction = node < frame.lights.first_patch() ? far_fraction(distance, radius) : 1;
     if (!(fraction > 0)) return;
     rays_.push(point.origin(), 0, to, frame.lights.ray_end());
