@@ -8,6 +8,8 @@
 // reflectance would show it, where all around them show the same surface and nearly as much light; elsewhere their
 // light is computed, too. The other pixels follow in the same way. Mirrored light is decided apart.
 //
+// Without an image or emissive surfaces, every pixel gathers its bounced light.
+//
 // What a pixel takes depends on pixels of its tile alone.
 #include <algorithm>
 #include <array>
@@ -81,7 +83,9 @@ struct TileTracer::Around {
 
 bool TileTracer::interpolates(int sample) const
 {
-    return options_.interpolates && options_.adaptive && sample == 0 && centres_ && !shades_further() &&
+    // Cached bounced light alone costs less than it takes to interpolate.
+    const bool costly = sees_image_ || sized_.has_value();
+    return costly && options_.interpolates && options_.adaptive && sample == 0 && centres_ && !shades_further() &&
            !is_estimate_ && !options_.random_lobes && !options_.backdrop_apart && !log_;
 }
 
