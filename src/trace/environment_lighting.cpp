@@ -223,8 +223,7 @@ void EnvironmentLighting::find_seen(const PointBatch& batch, std::size_t tile, s
     find_guides(batch, follow_, places_.own());
     guides_.resize(places_.own());
     for (std::size_t k = 0; k < guides_.size(); ++k) {
-        const glm::vec3& throughput = batch.points[places_.own_points()[k]].throughput;
-        const float share = batch.most_share * std::max({throughput.x, throughput.y, throughput.z});
+        const float share = batch.share_of(batch.points[places_.own_points()[k]]);
         const bool small = share <= k_coarse_throughput;
         guides_[k].coarse = guides_[k].pass == 0 && (small || (batch.primary && !guides_[k].guides));
         guides_[k].unless_dark = share > k_coarse_throughput;

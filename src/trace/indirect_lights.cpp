@@ -16,11 +16,6 @@ bool scatters(const shading::SurfacePoint& s)
     return s.model != scene::ShadingModel::unlit && s.diffuse != glm::vec3(0);
 }
 
-float largest(const glm::vec3& v)
-{
-    return std::max({v.x, v.y, v.z});
-}
-
 }   // namespace
 
 class CachedIndirect::Work final : public Worker {

@@ -5,6 +5,7 @@
 // A technique is called once for a whole batch (shadows: once per light and batch), so that its virtual calls cost
 // nothing per point or ray, and so that its rays stay in full packets.
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -17,6 +18,11 @@
 namespace gnomon::trace {
 
 /// What a technique needs to know of a frame; all of it outlives the frame.
+inline float largest(const glm::vec3& v)
+{
+    return std::max({v.x, v.y, v.z});
+}
+
 struct FrameContext {
     const scene::SceneState& state;
     const ray::RayScene& rays;   // follows the state
@@ -100,6 +106,8 @@ struct PointBatch {
     float most_share = 1;   // of its pixel, that the light of a point makes
 
     bool scattered() const { return !pixels.empty(); }
+    /// At most this share of its pixel is a point's light.
+    float share_of(const TilePoint& point) const { return most_share * largest(point.throughput); }
     glm::ivec2 pixel_of_image(const TilePoint& point) const
     {
         return tile.pixel_of_image(scattered() ? pixels[point.pixel] : point.pixel);

@@ -125,19 +125,21 @@ void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
             const bool lobe = highlight_[p] > 0, coat = coat_highlight_[p] > 0;
             if (s.model == scene::ShadingModel::unlit || (!lobe && !coat && s.diffuse == glm::vec3(0))) continue;
             Arriving arrives;
-            const float part =
-                batch.most_share * std::max({point.throughput.x, point.throughput.y, point.throughput.z});
             std::size_t few = 0;
             // Of a dim light, the places to which rays go say how bright it is.
             if (!image.empty() && image[p] > 0 && is_simple(s, light, lobe, coat)) {
                 arrives.base = shading::unshadowed_by_places(s, light, few_.some(l, k_simple_places), lobe);
-                if (arrives.any()) few = few_.count(l, point, luminance(reflected(batch, p, arrives)), image[p], part);
+                if (arrives.any())
+                    few =
+                        few_.count(l, point, luminance(reflected(batch, p, arrives)), image[p], batch.share_of(point));
             }
             if (few == 0 || few > k_simple_places) {
                 arrives = {shading::unshadowed(s, light, lobe ? &*lobes_[p] : nullptr)};
                 if (coat) arrives.coat = shading::unshadowed(shading::coat_surface(s), light, &*coat_lobes_[p]).lobe;
                 if (!arrives.any()) continue;
-                few = image.empty() ? 0 : few_.count(l, point, luminance(reflected(batch, p, arrives)), image[p], part);
+                few = image.empty() ? 0
+                                    : few_.count(l, point, luminance(reflected(batch, p, arrives)), image[p],
+                                                 batch.share_of(point));
             }
             if (few > 0) {
                 dim_.push_back({p, arrives});

@@ -29,11 +29,6 @@ constexpr float k_same_roughness = 0.02f;   // difference of a pixel's roughness
 constexpr float k_same_cover = 0.02f;       // likewise, of how much of it covers what lies behind, and is coated
 constexpr float k_least_mirrored = 0.1f;    // share of what a surface reflects: from here on, it is a mirror
 
-float largest(const glm::vec3& v)
-{
-    return std::max({v.x, v.y, v.z});
-}
-
 // Whether a row, or column, is one of those that are `step` apart; the last one is, too.
 bool is_on(int y, int step, int end)
 {

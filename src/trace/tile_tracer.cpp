@@ -40,11 +40,6 @@ glm::vec3 open_sky_radiance(scene::Background sky)
     return sum / static_cast<float>(k_rings);
 }
 
-float largest(const glm::vec3& v)
-{
-    return std::max({v.x, v.y, v.z});
-}
-
 // Whether a surface shows others.
 bool mirrors(const shading::Continuation& next)
 {
