@@ -12,6 +12,8 @@ import numpy as np
 from . import units
 from .lights import without_scale
 
+LARGEST_APERTURE = 10000.0   # millimetres, of the option
+
 
 @dataclass
 class MadeCamera:
@@ -74,9 +76,6 @@ def lens_options(camera, warn: Callable[[str], None]) -> dict:
     none = {"aperture": 0.0, "focus": None}
     if not data.dof.use_dof:
         return none
-    if data.type == "ORTHO":
-        warn(f"the camera '{camera.name}' is orthographic, and has no depth of field")
-        return none
     if data.dof.aperture_blades > 2 or data.dof.aperture_ratio != 1:
         warn("the aperture is a circle")
     focus = float(data.dof.focus_distance)
@@ -84,8 +83,11 @@ def lens_options(camera, warn: Callable[[str], None]) -> dict:
         to_camera = np.linalg.inv(np.array(camera.matrix_world.normalized(), dtype=float))
         place = np.array(data.dof.focus_object.matrix_world, dtype=float)[:, 3]
         focus = abs(float((to_camera @ place)[2]))
-    # The lens's diameter is its focal length divided by the f-number, whatever the sensor.
-    return {"aperture": float(data.lens) / max(float(data.dof.aperture_fstop), 1e-6), "focus": max(focus, 1e-4)}
+    # The lens's diameter is its focal length divided by the f-number, whatever the sensor. Cycles takes a focal length of
+    # a metre for orthographic cameras.
+    focal_length = 1000.0 if data.type == "ORTHO" else float(data.lens)
+    return {"aperture": min(focal_length / max(float(data.dof.aperture_fstop), 1e-6), LARGEST_APERTURE),
+            "focus": max(focus, 1e-4)}
 
 
 def view_camera(region3d, size: tuple, space, depsgraph, warn: Callable[[str], None]) -> MadeCamera:

@@ -59,7 +59,8 @@ struct RenderOptions {
     /// references, overlays and ShadowCulling::paper; so for the aperture.
     double shutter = 0;
     /// Depth of field: the lens as its focal length divided by its diameter (2.8 is f/2.8), on a sensor 24 mm high, or
-    /// its diameter in millimetres; the scene's unit is the metre. 0 and 0: everything is sharp. Not both.
+    /// its diameter in millimetres; the scene's unit is the metre, and the focal length of an orthographic camera is
+    /// one. 0 and 0: everything is sharp. Not both.
     double f_number = 0;
     double aperture = 0;
     /// Distance of what is sharp, in metres along the view's axis; none: the median of what the middle of the image

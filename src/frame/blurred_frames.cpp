@@ -99,7 +99,7 @@ FrameCounters FrameEngine::blur_raster(const scene::View& view, const Shutter& s
             posed = shutter.view_at(*state_, fraction);
         }
         const glm::vec2 at = trace::blur_sample({0, 0}, static_cast<std::uint32_t>(k), 1, false).lens;
-        if (!lens.sharp()) posed = view_through(posed, lens, at);
+        if (!lens.sharp()) posed = scene::through_lens(posed, lens, at);
         add(counters, render_raster(posed));
         const std::vector<ImageF*> now = layers();
         sums.resize(now.size());

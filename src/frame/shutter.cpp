@@ -5,7 +5,6 @@
 #include <array>
 #include <map>
 
-#include "gnomon/error.h"
 #include "scene/emission.h"
 
 namespace gnomon::frame {
@@ -159,7 +158,6 @@ scene::Lens find_lens(const scene::View& view, const RenderOptions& options, con
 {
     scene::Lens lens;
     if (options.f_number == 0 && options.aperture == 0) return lens;
-    if (view.orthographic) throw UsageError("an orthographic camera has no lens: it renders without an aperture");
     constexpr double k_millimetre = 1e-3;
     lens.radius = options.f_number > 0 ? scene::lens_radius(view, options.f_number)
                                        : static_cast<float>(0.5 * options.aperture * k_millimetre);
@@ -168,16 +166,6 @@ scene::Lens find_lens(const scene::View& view, const RenderOptions& options, con
     constexpr float k_far = 1e9f;   // in place of infinity
     lens.focus = options.focus ? static_cast<float>(*options.focus) : std::min(middle, k_far);
     return lens;
-}
-
-scene::View view_through(const scene::View& view, const scene::Lens& lens, const glm::vec2& at)
-{
-    scene::View result = view;
-    const float right = glm::length(view.right), up = glm::length(view.up);
-    const glm::vec2 offset = lens.radius * at;
-    result.eye += offset.x * view.right / right + offset.y * view.up / up;
-    result.shift -= offset / (lens.focus * glm::vec2(right, up));
-    return result;
 }
 
 }   // namespace gnomon::frame

@@ -46,11 +46,6 @@ trace::BlurMotion find_motion(const scene::SceneState& state, const scene::View&
                               const SeenPlaces& places);
 
 /// The lens of a view, from the options.
-/// @throws UsageError  the view is orthographic
 scene::Lens find_lens(const scene::View& view, const RenderOptions& options, const SeenPlaces& places);
-
-/// The view from a place of the lens, which shows the plane of focus where the view does.
-/// @param at  in the unit disc
-scene::View view_through(const scene::View& view, const scene::Lens& lens, const glm::vec2& at);
 
 }   // namespace gnomon::frame

@@ -199,7 +199,8 @@ constexpr Option k_options[] = {
              "has 180; 0: none"},
     {.name = "aperture", .argument = "F|LENGTHmm", .kind = Kind::text, .subcommands = k_images, .group = k_quality,
      .help = "depth of field: the lens by its f-number on a sensor 24 mm high, such as 2.8, or by its diameter, such as "
-             "12mm; a scene's unit is the metre (default: none, everything is sharp)"},
+             "12mm; a scene's unit is the metre, and the focal length of an orthographic camera is one (default: none, "
+             "everything is sharp)"},
     {.name = "focus", .argument = "METRES|auto", .kind = Kind::number_or_auto, .fallback = "auto", .range = ranges::focus,
      .subcommands = k_images, .group = k_quality,
      .help = "with --aperture: distance of what is sharp; auto: of what the middle of the image shows, frame by frame"},

@@ -18,7 +18,8 @@ void frustum_planes(const scene::View& view, glm::vec4 (&planes)[6])
 {
     // In units of the half extent: x is inside where |x - shift * reach| <= reach, and reach grows with distance or
     // is 1.
-    const glm::vec3 x = view.right / glm::dot(view.right, view.right), y = view.up / glm::dot(view.up, view.up);
+    const glm::vec3 x = view.right / glm::dot(view.right, view.right) - view.skew.x * view.forward;
+    const glm::vec3 y = view.up / glm::dot(view.up, view.up) - view.skew.y * view.forward;
     const glm::vec3 reach = view.orthographic ? glm::vec3(0) : view.forward;
     const float constant = view.orthographic ? 1.0f : 0.0f;
     const auto plane = [&](const glm::vec3& n, float at_eye) { return glm::vec4(n, at_eye - glm::dot(n, view.eye)); };
@@ -32,7 +33,8 @@ void frustum_planes(const scene::View& view, glm::vec4 (&planes)[6])
 
 shared::DrawPush draw_push(const scene::View& view, const glm::vec2& sample, float unlimited_far)
 {
-    const glm::vec3 x = view.right / glm::dot(view.right, view.right), y = -view.up / glm::dot(view.up, view.up);
+    const glm::vec3 x = view.right / glm::dot(view.right, view.right) - view.skew.x * view.forward;
+    const glm::vec3 y = view.skew.y * view.forward - view.up / glm::dot(view.up, view.up);
     glm::vec4 rows[4] = {glm::vec4(x, 0), glm::vec4(y, 0), glm::vec4(0), glm::vec4(view.forward, 0)};
     if (view.orthographic) {
         const float far = std::isfinite(view.far) ? view.far : unlimited_far;

@@ -161,6 +161,11 @@ void View::ray(float x, float y, glm::vec3& origin, glm::vec3& direction, float&
         origin = eye + sx * right + sy * up;
         direction = forward;
         tnear = near, tfar = far;
+        if (skew == glm::vec2(0)) return;
+        const glm::vec3 d = forward + skew.x * right + skew.y * up;
+        const float length = std::sqrt(glm::dot(d, d));
+        direction = d / length;
+        tnear = near * length, tfar = far * length;
         return;
     }
     const glm::vec3 d = forward + sx * right + sy * up;
@@ -179,7 +184,12 @@ glm::dmat4 matrix_of(const View& view)
 std::optional<glm::dvec2> View::project(const glm::dvec3& point) const
 {
     const glm::dvec3 offset = point - glm::dvec3(eye);
-    if (orthographic) return pixel_of(*this, offset, 1);
+    if (orthographic) {
+        const double ahead = glm::dot(offset, glm::dvec3(forward));
+        const glm::dvec3 aside =
+            static_cast<double>(skew.x) * glm::dvec3(right) + static_cast<double>(skew.y) * glm::dvec3(up);
+        return pixel_of(*this, offset - ahead * aside, 1);
+    }
     return project_direction(offset);
 }
 

@@ -20,6 +20,9 @@ struct View {
     glm::vec2 shift{0};
     Size size;
     bool orthographic = false;
+    /// Of an orthographic view from a place of a lens, which looks aside: how far its rays go to the right and up for
+    /// each unit along `forward`, in units of half the view's extent.
+    glm::vec2 skew{0};
     float near = 0;   // along `forward`
     float far = k_infinity;
     float pixel_spread = 0;   // growth of a pixel's width per unit of distance (perspective)
