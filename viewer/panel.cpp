@@ -89,11 +89,11 @@ void TimeGraph::draw() const
     draw->AddText({corner.x + 3, corner.y + 1}, IM_COL32(200, 200, 200, 255), fmt::format("{:.0f} ms", most).c_str());
     ImGui::Dummy({width, height});
 
-    // List the stages of the latest frame.
+    // List the stages of the latest frame, in milliseconds: so many digits that two stages fit beside each other.
     for (int stage = 0; stage < ViewTimes::k_stages; ++stage) {
-        if (stage % 2 == 1) ImGui::SameLine(ImGui::GetFontSize() * 10);
-        ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(k_stage_colors[stage]), "%s %.1f ms", ViewTimes::name(stage),
-                           last.ms[stage]);
+        if (stage % 2 == 1) ImGui::SameLine(ImGui::GetFontSize() * 11.5f);
+        ImGui::TextColored(ImGui::ColorConvertU32ToFloat4(k_stage_colors[stage]), "%s %.*f", ViewTimes::name(stage),
+                           last.ms[stage] < 100 ? 1 : 0, last.ms[stage]);
     }
 }
 

@@ -73,6 +73,26 @@ RenderOptions window_options(const ViewRequest& request, const Scene& scene, int
     return options;
 }
 
+// Whether frames can have the layer "id": not those that an overlay replaces.
+bool has_ids(const RenderOptions& options)
+{
+    return options.overlay == Overlay::none || options.overlay == Overlay::redrawn;
+}
+
+// The value of an instance in a layer of ids; 0: it is not seen.
+std::uint32_t layer_value_of(const Scene& scene, const InstanceId& instance, const Layer& ids)
+{
+    std::uint32_t last = 0;
+    for (int y = 0; y < ids.size.height; ++y)
+        for (int x = 0; x < ids.size.width; ++x) {
+            const std::uint32_t value = ids.id(x, y);
+            if (value == 0 || value == last) continue;
+            if (scene.instance_of(value) == instance) return value;
+            last = value;
+        }
+    return 0;
+}
+
 ViewTimes times_of(const Frame& frame, double encoding)
 {
     const auto sum = [&](std::initializer_list<FrameTimes::Stage> stages) {
@@ -318,7 +338,10 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
         held_.clear();
         rendered_ = scene;
     }
-    renderer_.set_options(window_options(request, *scene, threads_));
+    std::optional<Picked> picked = picked_before(scene);
+    RenderOptions options = window_options(request, *scene, threads_);
+    options.ids = has_ids(options) && (request.pick || (picked && picked->instance));
+    renderer_.set_options(options);
     FrameInput input;
     input.time = request.time;
     input.camera = request.orbit;
@@ -339,7 +362,6 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     image->image.width = frame.size.width, image->image.height = frame.size.height, image->image.channels = 3;
     image->image.data = frame.to_srgb8();
     image->times = times_of(frame, milliseconds_since(start));
-    if (!request.whole) frame.layers.clear();   // the renderer uses their memory again
 
     // Describe it.
     image->scene = scene;
@@ -349,12 +371,23 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     if (!bounds.empty())
         image->bounds = {{bounds.low.x, bounds.low.y, bounds.low.z}, {bounds.high.x, bounds.high.y, bounds.high.z}};
     image->remembered_bytes = renderer_.remembered_bytes();
-    if (request.pick)
-        image->picked = pick(*scene, frame, *request.pick);
-    else if (const auto last = this->image(0); last && last->scene == scene)
-        image->picked = last->picked;
-    if (image->picked && image->picked->instance) image->picked->transform = renderer_.transform(image->picked->node);
+    if (request.pick) picked = pick(*scene, frame, *request.pick);
+    if (picked && picked->instance) {
+        picked->transform = renderer_.transform(picked->node);
+        if (const Layer* const ids = frame.layer("id"))
+            image->outline = outline_of(*ids, layer_value_of(*scene, picked->instance, *ids));
+    }
+    image->picked = std::move(picked);
+    // A saved frame is as without a picked object. The renderer uses the memory of other frames' layers again.
+    std::erase_if(frame.layers, [&](const Layer& layer) { return !request.whole || layer.name == "id"; });
     return image;
+}
+
+// What was picked last, if that was in this scene.
+std::optional<Picked> ViewSession::picked_before(const std::shared_ptr<const Scene>& scene) const
+{
+    const auto last = image(0);
+    return last && last->scene == scene ? last->picked : std::nullopt;
 }
 
 void ViewSession::hand_over_overrides(const Scene& scene, const ViewRequest& request, FrameInput& input)

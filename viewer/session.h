@@ -20,6 +20,7 @@
 #include "base/image.h"
 #include "base/math.h"
 #include "gnomon/renderer.h"
+#include "viewer/outline.h"
 
 namespace gnomon::viewer {
 
@@ -77,6 +78,9 @@ struct ViewImage {
     std::uint64_t number = 0;       // counts up
     std::uint64_t request = 0;      // its request: the number that ask() returned
     std::optional<Picked> picked;   // result of the last `pick` in this scene
+    /// Of what the frame shows of the picked object, in pixels of the frame without legends; not with overlays that
+    /// replace the image.
+    std::vector<OutlineEdge> outline;
     std::size_t remembered_bytes = 0;
 };
 
@@ -142,6 +146,7 @@ class ViewSession {
     bool publish(std::shared_ptr<ViewImage> image, ViewRequest& request, bool refines);
     void hand_over_overrides(const Scene& scene, const ViewRequest& request, FrameInput& input);
     Picked pick(const Scene& scene, const Frame& frame, const glm::vec2& place);
+    std::optional<Picked> picked_before(const std::shared_ptr<const Scene>& scene) const;
     void fail(std::uint64_t request, const std::string& message);
 
     int threads_;

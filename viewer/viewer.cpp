@@ -34,6 +34,8 @@ constexpr double k_quick = 0.9;                  // of k_slow_ms: what the next 
 constexpr float k_click_pixels = 4;              // a drag shorter than this is a click
 constexpr float k_wheel = 0.9f;                  // a notch of the wheel multiplies the distance by this
 
+constexpr ImU32 k_outline = IM_COL32(255, 196, 64, 255), k_outline_below = IM_COL32(0, 0, 0, 160);
+
 double seconds_since(Clock::time_point start)
 {
     return std::chrono::duration<double>(Clock::now() - start).count();
@@ -401,7 +403,19 @@ void Viewer::Impl::draw_image() const
     if (!image) return;
     const Placed place = placed();
     const glm::vec2 end = place.corner + place.factor * glm::vec2(image->image.width, image->image.height);
-    ImGui::GetBackgroundDrawList()->AddImage(window.texture(), {place.corner.x, place.corner.y}, {end.x, end.y});
+    ImDrawList* const draw = ImGui::GetBackgroundDrawList();
+    draw->AddImage(window.texture(), {place.corner.x, place.corner.y}, {end.x, end.y});
+    if (image->scene != scene || recorder.recording()) return;
+
+    // Outline the picked object: dark below bright, to be seen before anything.
+    const glm::vec2 corner = place.corner + place.factor * glm::vec2(image->frame.view_left, image->frame.view_top);
+    for (const auto& [color, width] : {std::pair{k_outline_below, 3.0f}, std::pair{k_outline, 1.0f}})
+        for (const OutlineEdge& edge : image->outline) {
+            const glm::vec2 from = corner + place.factor * glm::vec2(edge.from);
+            const glm::vec2 to = corner + place.factor * glm::vec2(edge.to);
+            const float more = 0.5f * width;   // closes corners
+            draw->AddRectFilled({from.x - more, from.y - more}, {to.x + more, to.y + more}, color);
+        }
 }
 
 // Loads the scene's file again when it has changed.

@@ -3,6 +3,7 @@
 
     serve_test.py PROGRAM [MALFORMED REQUESTS]    numbers of malformed requests, and of those of the test of memory: 200
                                                   and 120 without them
+    SEED=N                                        of the malformed requests: 1 without it
 """
 import base64
 import copy
@@ -23,6 +24,7 @@ import zlib
 PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 else "gnomon"
 MALFORMED = int(sys.argv.pop(1)) if len(sys.argv) > 1 and sys.argv[1].isdigit() else 200
 REQUESTS = int(sys.argv.pop(1)) if len(sys.argv) > 1 and sys.argv[1].isdigit() else 120
+SEED = int(os.environ.get("SEED", "1"))
 
 
 def matrix(x=0.0, y=0.0, z=0.0, scale=1.0):
@@ -250,26 +252,55 @@ class Serve(unittest.TestCase):
         self.assertNotIn("passwd", "".join(line for line in out.splitlines() if "root:" in line))
 
     def test_malformed_requests_end_nothing(self):
-        chance = random.Random(1)
-        body, kind = form(fields_of("label", 16, 12), json.dumps(make_scene()).encode())
-        head = f"POST /render HTTP/1.1\r\nHost: x\r\nContent-Type: {kind}\r\nContent-Length: {len(body)}\r\n\r\n".encode()
-        for _ in range(MALFORMED):
-            data = bytearray(head + body)
+        chance = random.Random(SEED)
+
+        def damaged(data):
+            data = bytearray(data)
             for _ in range(chance.randint(1, 12)):
-                at = chance.randrange(len(data))
+                at = chance.randrange(max(len(data), 1))
                 data[at:at + chance.choice((0, 1, 1, 40))] = bytes(chance.randrange(256) for _ in range(chance.choice((0, 1, 1, 9))))
-            with socket.create_connection(("127.0.0.1", self.server.port), timeout=60) as connection:
-                connection.sendall(data)
-                connection.shutdown(socket.SHUT_WR)
-                try:
-                    while connection.recv(65536):
-                        pass
-                except ConnectionResetError:
-                    pass
+            return bytes(data)
+
+        answers = {}
+        scene = json.dumps(make_scene()).encode()
+        for i in range(MALFORMED):
+            body, kind = form(fields_of(("label", "depth", "label", "color")[i % 4], 16, 12), scene)
+            start = f"POST /render HTTP/1.1\r\nHost: x\r\nContent-Type: {kind}\r\nConnection: close\r\n".encode()
+            # Mostly a whole request with a damaged body, so that it is read to its end; else anything may be damaged,
+            # and the client says that no more will come.
+            whole = chance.random() < 0.8
+            if whole:
+                body = damaged(body)
+                if chance.random() < 0.3:
+                    start = start.replace(kind.encode(), damaged(kind.encode()).replace(b"\n", b" "))
+            data = start + f"Content-Length: {len(body)}\r\n\r\n".encode() + body
+            status, text = self.raw(data if whole else damaged(data), half_closed=not whole)
+            answers[status] = answers.get(status, 0) + 1
+            if whole:
+                self.assertIsNotNone(status, data)
+            if status is not None and status >= 400:
+                self.assertEqual((text.count(b"\n"), text[-1:]), (1, b"\n"), text)
             self.assertIsNone(self.server.process.poll())
+        self.assertGreater(answers.get(400, 0), MALFORMED // 4, answers)
         self.assertEqual(self.server.render(fields_of("label"), make_scene())[0], 200)
         code, _, err = self.server.stop()
         self.assertEqual((code, err), (0, ""))
+
+    def raw(self, data, half_closed):
+        """The status and the text of what the server answers to bytes; None: it hangs up."""
+        answer = b""
+        with socket.create_connection(("127.0.0.1", self.server.port), timeout=60) as connection:
+            connection.sendall(data)
+            if half_closed:
+                connection.shutdown(socket.SHUT_WR)
+            try:
+                while part := connection.recv(65536):
+                    answer += part
+            except ConnectionResetError:
+                pass
+        head, _, text = answer.partition(b"\r\n\r\n")
+        status = re.match(rb"HTTP/1\.1 (\d{3}) ", head)
+        return (int(status[1]) if status else None), text
 
     def test_many_requests_do_not_grow(self):
         used = []

@@ -108,6 +108,12 @@ TEST(ViewSession, UserOverrideHoldsThePickedObject)
     ASSERT_TRUE(before && before->picked) << "later images still say what was picked";
     EXPECT_EQ(before->picked->instance, ball->instance);
     EXPECT_EQ(before->picked->transform, ball->transform);
+    ASSERT_FALSE(before->outline.empty()) << "what is picked is outlined";
+    glm::ivec2 low(100), high(0);
+    for (const OutlineEdge& edge : before->outline) low = glm::min(low, edge.from), high = glm::max(high, edge.to);
+    EXPECT_GE(high.x - low.x, 3);
+    EXPECT_LT(high.x - low.x, 24) << "around the ball alone";
+    EXPECT_EQ(before->frame.layer("id"), nullptr);
 
     // Only the ball moves in this clip.
     request.overrides = {{ball->node, ball->transform, glm::vec3(0)}};
@@ -118,6 +124,23 @@ TEST(ViewSession, UserOverrideHoldsThePickedObject)
     const auto moved = finished(session, request);
     EXPECT_FALSE(same(moved, before));
     EXPECT_NE(moved->picked->transform, ball->transform) << "it follows the image";
+}
+
+// The values of the layer "id" in one channel, and edges by what they separate.
+TEST(Outline, IsTheBorderOfAnObject)
+{
+    //  . 7 7 .
+    //  . 7 5 7
+    const std::vector<std::uint32_t> values{0, 7, 7, 0, 0, 7, 5, 7};
+    Layer ids;
+    ids.channels = {"object"}, ids.format = PixelFormat::u32, ids.size = {4, 2};
+    ids.data = values.data(), ids.pixel_stride = sizeof(values[0]), ids.row_stride = 4 * sizeof(values[0]);
+    const std::vector<OutlineEdge> expected{{{1, 0}, {3, 0}}, {{2, 1}, {4, 1}}, {{1, 2}, {2, 2}}, {{3, 2}, {4, 2}},
+                                            {{1, 0}, {1, 2}}, {{2, 1}, {2, 2}}, {{3, 0}, {3, 2}}, {{4, 1}, {4, 2}}};
+    EXPECT_EQ(outline_of(ids, 7), expected);
+    EXPECT_EQ(outline_of(ids, 5).size(), 4u);
+    EXPECT_TRUE(outline_of(ids, 3).empty());
+    EXPECT_TRUE(outline_of(ids, 0).empty());
 }
 
 // Another clip is another scene, and its frames are those of the file with this clip.
