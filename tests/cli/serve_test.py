@@ -6,6 +6,7 @@
     SEED=N                                        of the malformed requests: 1 without it
 """
 import base64
+import collections
 import copy
 import http.client
 import json
@@ -18,6 +19,7 @@ import socket
 import struct
 import subprocess
 import sys
+import threading
 import unittest
 import zlib
 
@@ -126,6 +128,10 @@ class Server:
                                         stderr=subprocess.PIPE, text=True)
         line = self.process.stdout.readline()
         self.port = int(re.search(r":(\d+);", line)[1])
+        # Read what it says, because a full pipe would stop it. The last of it is kept.
+        self.said = collections.deque(maxlen=1000)
+        self.reader = threading.Thread(target=lambda: self.said.extend(self.process.stdout), daemon=True)
+        self.reader.start()
 
     def send(self, body, kind, path="/render", method="POST", headers=None):
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=120)
@@ -142,12 +148,16 @@ class Server:
     def kill(self):
         if self.process.poll() is None:
             self.process.kill()
-        self.process.communicate()
+        self.stop()
 
     def stop(self):
-        self.process.send_signal(signal.SIGINT)
-        out, err = self.process.communicate(timeout=30)
-        return self.process.returncode, out, err
+        if not self.process.stderr.closed:
+            self.process.send_signal(signal.SIGINT)
+            self.process.wait(timeout=30)
+            self.reader.join(timeout=30)
+            self.err = self.process.stderr.read()
+            self.process.stdout.close(), self.process.stderr.close()
+        return self.process.returncode, "".join(self.said), self.err
 
 
 class Serve(unittest.TestCase):
