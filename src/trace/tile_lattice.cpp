@@ -27,7 +27,6 @@ constexpr float k_alike = 1 / 8.0f;
 constexpr float k_same_normal = 0.9995f;    // cosine between a pixel's normal and the mean of those around it
 constexpr float k_same_roughness = 0.02f;   // difference of a pixel's roughness from their mean
 constexpr float k_same_cover = 0.02f;       // likewise, of how much of it covers what lies behind, and is coated
-constexpr float k_least_mirrored = 0.1f;    // share of what a surface reflects: from here on, it is a mirror
 
 // Whether a row, or column, is one of those that are `step` apart; the last one is, too.
 bool is_on(int y, int step, int end)

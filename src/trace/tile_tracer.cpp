@@ -22,7 +22,6 @@ constexpr std::uint32_t k_lobe_batches = 8;   // of random rays: their spread is
 constexpr int k_blurred_lobe_rays = 2;        // a power of two
 constexpr float k_least_lobe_rays = 1e-3f;    // as which a pixel's rays count beside its neighbours'
 constexpr std::uint32_t k_lobe_blocks = shading::k_lobe_interleave * shading::k_lobe_interleave;
-constexpr float k_least_mirrored = 0.1f;   // share of a surface's light that comes from others, of a mirror
 constexpr float k_least_cosine = 0.1f;     // of the view, for the pixel's footprint
 constexpr float k_further_share = 0.25f;   // of a pixel, that a further sample makes, with those that take its light
 

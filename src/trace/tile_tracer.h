@@ -20,6 +20,9 @@
 
 namespace gnomon::trace {
 
+/// The share of a surface's light that comes from what it mirrors, from which on it is a mirror.
+inline constexpr float k_least_mirrored = 0.1f;
+
 /// The lights with size of a frame, and how their visibility is found; null without them.
 struct SizedTechnique {
     const scene::SizedLights* lights = nullptr;

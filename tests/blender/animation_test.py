@@ -164,17 +164,21 @@ class Blur(unittest.TestCase):
             self.assertLess(np.abs(a - b).mean(), 2e-3)
 
     def test_depth_of_field(self):
-        scene = new_scene((48, 24))
-        glow = shader("glow", "ShaderNodeEmission", Strength=1.0)
-        plane = add_plane(1, glow)
-        camera = add_camera((0, 0, 5))
-        data = camera.data
-        data.dof.use_dof, data.dof.focus_distance, data.dof.aperture_fstop = True, 2, 0.1
-        scene.cycles.samples = 256
-        ours, theirs = render()[..., 0], render("CYCLES")[..., 0]
-        self.assertLess(np.abs(ours - theirs).mean(), 0.02)
-        data.dof.focus_object = plane
-        self.assertGreater(np.abs(render()[..., 0] - ours).max(), 0.3)
+        for kind, f_number in (("PERSP", 0.1), ("ORTHO", 2)):
+            with self.subTest(kind):
+                scene = new_scene((48, 24))
+                glow = shader("glow", "ShaderNodeEmission", Strength=1.0)
+                plane = add_plane(1, glow)
+                camera = add_camera((0, 0, 5))
+                data = camera.data
+                data.type, data.ortho_scale = kind, 3.6
+                data.dof.use_dof, data.dof.focus_distance, data.dof.aperture_fstop = True, 2, f_number
+                scene.cycles.samples = 256
+                ours, theirs = render()[..., 0], render("CYCLES")[..., 0]
+                self.assertLess(np.abs(ours - theirs).mean(), 0.02)
+                self.assertGreater(np.count_nonzero((theirs > 0.2) & (theirs < 0.8)), 20)
+                data.dof.focus_object = plane
+                self.assertGreater(np.abs(render()[..., 0] - ours).max(), 0.3)
 
 
 class Passes(unittest.TestCase):
