@@ -297,7 +297,10 @@ class Serve(unittest.TestCase):
         self.assertEqual((code, err), (0, ""))
 
     def raw(self, data, half_closed):
-        """The status and the text of what the server answers to bytes; None: it hangs up."""
+        """The status and the text of what the server answers to bytes.
+
+        0: it closes the connection before it has read them all, which may cut off its answer. None: there is no answer.
+        """
         answer = b""
         with socket.create_connection(("127.0.0.1", self.server.port), timeout=60) as connection:
             connection.sendall(data)
@@ -307,7 +310,7 @@ class Serve(unittest.TestCase):
                 while part := connection.recv(65536):
                     answer += part
             except ConnectionResetError:
-                pass
+                return 0, b""
         head, _, text = answer.partition(b"\r\n\r\n")
         status = re.match(rb"HTTP/1\.1 (\d{3}) ", head)
         return (int(status[1]) if status else None), text
