@@ -63,7 +63,7 @@ namespace {
 
 class Folder {
  public:
-    Folder()
+    Folder() : owner_(getpid())
     {
         remove_left_folders();
         std::string pattern =
@@ -83,8 +83,9 @@ class Folder {
     ~Folder()
     {
         std::error_code ignored;
-        fs::remove_all(root_, ignored);
+        if (owner_ == getpid()) fs::remove_all(root_, ignored);
     }
+    bool is_own() const { return owner_ == getpid(); }
     Folder(const Folder&) = delete;
     Folder& operator=(const Folder&) = delete;
 
@@ -104,13 +105,15 @@ class Folder {
         out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
         if (!out) throw std::runtime_error("cannot write " + file.string());
     }
+    pid_t owner_;   // a forked process has a copy, and makes a folder of its own
     fs::path root_;
 };
 
 const Folder& folder()
 {
-    static const Folder folder;
-    return folder;
+    static std::unique_ptr<const Folder> folder;
+    if (!folder || !folder->is_own()) folder = std::make_unique<const Folder>();
+    return *folder;
 }
 
 // --- Checks of every outcome.

@@ -397,8 +397,7 @@ TEST(GltfPointers, WrongKeysAreRejectedWithALine)
                           {{0, 1}, {0, 0, 0, 1, 1, 1, 1, 1}, "VEC4", "LINEAR", "cannot be"},
                           {{0, 1}, {0, 0, 0}, "VEC3", "LINEAR", "1 values for 2 keys"},
                           {{0, 1}, {0, 0, 0, 1, 1, 1}, "VEC3", "CUBICSPLINE", "2 values for 2 keys"},
-                          {{0, 1}, {0, 0, nan, 1, 1, 1}, "VEC3", "LINEAR", "is not finite"},
-                          {{1, 0}, {0, 0, 0, 1, 1, 1}, "VEC3", "LINEAR", "not greater"}};
+                          {{0, 1}, {0, 0, nan, 1, 1, 1}, "VEC3", "LINEAR", "is not finite"}};
     for (const Case& c : cases) {
         PointerDocument d;
         // Bounds are not declared with a value that is not a number.

@@ -197,8 +197,8 @@ class Animations {
     std::shared_ptr<const scene::WeightsTrack> weights(const Source& source, std::size_t targets)
     {
         const AnimationSampler& sampler = sampler_of(source);
-        std::vector<double> values = numbers(sampler.output);
-        return std::make_shared<scene::KeyframeWeights>(interpolation_of(sampler.interpolation), numbers(sampler.input),
+        auto [times, values] = keys(sampler);
+        return std::make_shared<scene::KeyframeWeights>(interpolation_of(sampler.interpolation), std::move(times),
                                                         std::move(values), targets);
     }
 
@@ -261,7 +261,7 @@ class Animations {
     {
         const AnimationSampler& sampler = sampler_of(source);
         auto track = std::make_shared<scene::VisibilityTrack>();
-        const std::vector<double> times = numbers(sampler.input), values = numbers(sampler.output);
+        const auto [times, values] = keys(sampler);
         for (std::size_t i = 0; i < std::min(times.size(), values.size()); ++i) {
             track->times.push_back(i == 0 ? std::numeric_limits<double>::lowest() : times[i]);
             track->visible.push_back(values[i] != 0);
@@ -305,6 +305,25 @@ class Animations {
         data_.read_double(a, values);
         return values;
     }
+    // The times of a sampler's keys, and all numbers of their values. Keys that are not later than the ones before them
+    // are left out (Fault::key_order).
+    std::pair<std::vector<double>, std::vector<double>> keys(const AnimationSampler& sampler)
+    {
+        std::pair<std::vector<double>, std::vector<double>> result(numbers(sampler.input), numbers(sampler.output));
+        auto& [times, values] = result;
+        if (times.empty() || values.size() % times.size() != 0) return result;
+        const std::size_t each = values.size() / times.size();
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < times.size(); ++i) {
+            if (kept > 0 && !(times[i] > times[kept - 1])) continue;
+            times[kept] = times[i];
+            for (std::size_t k = 0; k < each; ++k) values[kept * each + k] = values[i * each + k];
+            ++kept;
+        }
+        times.resize(kept);
+        values.resize(kept * each);
+        return result;
+    }
     // The times of the first and the last key.
     std::pair<double, double> span(Index accessor)
     {
@@ -312,7 +331,7 @@ class Animations {
         if (fresh)
             data_.for_each(model_.accessors[accessor], [&, &times = known->second](std::uint64_t i, auto key) {
                 if (i == 0) times.first = key[0];
-                times.second = key[0];
+                times.second = i == 0 ? key[0] : std::max(times.second, key[0]);
             });
         return known->second;
     }
@@ -321,8 +340,8 @@ class Animations {
     {
         if (!source.used()) return std::nullopt;
         const AnimationSampler& sampler = sampler_of(source);
-        KeyChannel<glm::dvec3> channel{interpolation_of(sampler.interpolation), numbers(sampler.input), {}};
-        const std::vector<double> v = numbers(sampler.output);
+        auto [times, v] = keys(sampler);
+        KeyChannel<glm::dvec3> channel{interpolation_of(sampler.interpolation), std::move(times), {}};
         for (std::size_t i = 0; i + 2 < v.size(); i += 3) channel.values.emplace_back(v[i], v[i + 1], v[i + 2]);
         return channel;
     }
@@ -331,8 +350,8 @@ class Animations {
     {
         if (!source.used()) return std::nullopt;
         const AnimationSampler& sampler = sampler_of(source);
-        KeyChannel<glm::dquat> channel{interpolation_of(sampler.interpolation), numbers(sampler.input), {}};
-        const std::vector<double> v = numbers(sampler.output);
+        auto [times, v] = keys(sampler);
+        KeyChannel<glm::dquat> channel{interpolation_of(sampler.interpolation), std::move(times), {}};
         const bool cubic = sampler.interpolation == Interpolation::cubic_spline;
         for (std::size_t i = 0; i + 3 < v.size(); i += 4) {
             glm::dquat q(v[i + 3], v[i], v[i + 1], v[i + 2]);

@@ -51,7 +51,7 @@ class Materials {
     void use_layers(const Material& material, const std::string& pointer, scene::Material& out);
     void use_glossiness(const Glossiness& glossiness, bool alpha, const std::string& pointer, scene::Material& out);
     Index first_of(Index image);
-    std::vector<std::uint8_t> bytes_of(Index image);
+    std::optional<std::vector<std::uint8_t>> bytes_of(Index image);   // nothing, with a warning, if it is remote
     DecodedImage& known_image(Index image);
     const Image8& decoded_image(Index image);
     void decode(Index image, std::span<const std::uint8_t> bytes, std::uint64_t most_pixels);

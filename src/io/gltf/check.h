@@ -21,6 +21,7 @@ struct AccessorUse {
     Role role = Role::none;
     std::string user;             // JSON pointer
     bool unit = false;            // NORMAL
+    bool not_position = false;    // of a vertex, with a value that stands for none: zero
     bool tangent = false;         // xyz of unit length, w a sign
     bool quaternion = false;      // a rotation
     bool cubic = false;           // with tangents before and after each value

@@ -32,7 +32,12 @@ class ElementCheck {
     void element(std::uint64_t i, std::span<const double> v)
     {
         for (std::size_t c = 0; c < v.size(); ++c) {
-            if (!std::isfinite(v[c])) context_.fail(here_, fmt::format("element {} is not finite", i));
+            if (!std::isfinite(v[c])) {
+                const auto problem = [&] { return fmt::format("element {} is not finite", i); };
+                if (!use_.not_position) context_.fail(here_, problem());
+                context_.repair(Fault::not_finite, use_.user, problem);
+                return;
+            }
             low_[c] = i == 0 ? v[c] : std::min(low_[c], v[c]);
             high_[c] = i == 0 ? v[c] : std::max(high_[c], v[c]);
         }
@@ -103,11 +108,16 @@ class ElementCheck {
 
     void key_time(std::uint64_t i, double v)
     {
-        if (v < 0) fail(fmt::format("key {} has the negative time {}", i, v));
+        if (v < 0)
+            context_.repair(Fault::key_before_zero, use_.user,
+                            [&] { return fmt::format("key {} has the negative time {}", i, v); });
         if (i > 0 && v <= time_)
-            fail(
-                fmt::format("key {} has time {}, which is not greater than that of the previous key, {}", i, v, time_));
-        time_ = v;
+            context_.repair(Fault::key_order, use_.user, [&] {
+                return fmt::format("key {} has time {}, which is not greater than that of the previous key, {}", i, v,
+                                   time_);
+            });
+        else
+            time_ = v;
     }
 
     void inverse_bind(std::uint64_t i, std::span<const double> v)

@@ -220,8 +220,7 @@ void check_animation(const Model& model, Index index, Uses& uses, Context& conte
         const bool moves = channel.path != Path::weights;
         if (moves && channel.path != Path::visibility && node.matrix)
             context.fail(target, "the node has a matrix, which cannot be animated");
-        const std::size_t targets =
-            node.mesh == k_absent ? 0 : model.meshes[node.mesh].primitives.front().targets.size();
+        const std::size_t targets = node.mesh == k_absent ? 0 : model.meshes[node.mesh].targets();
         if (!moves && targets == 0) {
             context.repair(Fault::channel, target, [] { return "the node has no morph targets"; });
             continue;

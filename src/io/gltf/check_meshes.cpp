@@ -180,6 +180,7 @@ class Check {
             context_.repair(Fault::extension_list, place, format_problem);   // of KHR_mesh_quantization
         if (semantic.base == "POSITION" && (accessor.min.empty() || accessor.max.empty()))
             context_.repair(Fault::bounds, place, [] { return "POSITION must declare min and max"; });
+        if (semantic.base != "POSITION") use.not_position = true;
         if (semantic.base == "NORMAL" && !morph) use.unit = true;
         if (semantic.base == "TANGENT" && !morph) use.tangent = true;
         return accessor.count;
@@ -281,7 +282,7 @@ void check_mesh(const Model& model, Index index, const std::vector<std::vector<c
     const Mesh& mesh = model.meshes[index];
     const std::string here = at("/meshes", index);
     Check check(model, uses, context);
-    const std::size_t targets = mesh.primitives.front().targets.size();
+    const std::size_t targets = mesh.targets();
     for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
         const std::string place = at(at(here, "primitives"), i);
         check.primitive(mesh.primitives[i], place, bindings);

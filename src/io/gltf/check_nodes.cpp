@@ -57,7 +57,7 @@ void check_node(const Model& model, Index index, Context& context)
     if (node.mesh == k_absent) return;
 
     const Mesh& mesh = model.meshes[node.mesh];
-    const std::size_t targets = mesh.primitives.front().targets.size();
+    const std::size_t targets = mesh.targets();
     if (node.weights && node.weights->size() != targets)
         context.repair(Fault::weight_count, at(here, "weights"), [&] {
             return fmt::format("{} weights, but the mesh has {} morph targets", node.weights->size(), targets);

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <iterator>
-
 #include "gnomon/error.h"
 
 namespace gnomon::io::gltf {
@@ -16,19 +14,28 @@ void Context::fail(const std::string& pointer, const std::string& problem) const
 
 void Context::warn(const std::string& pointer, const std::string& problem)
 {
+    // Count the same problem at other places, so that each cause is one warning.
+    for (Warning& known : warnings_)
+        if (known.problem == problem) {
+            ++known.number;
+            return;
+        }
     if (warnings_.size() >= limits.warnings) {
         ++omitted_;
         return;
     }
-    warnings_.push_back(fmt::format("{}: {}", pointer.empty() ? "/" : pointer, problem));
+    warnings_.push_back({pointer.empty() ? "/" : pointer, problem, 1});
 }
 
 std::vector<std::string> Context::take_warnings()
 {
-    if (omitted_ > 0) warnings_.push_back(fmt::format("{} further warnings were omitted", omitted_));
-    omitted_ = 0;
     std::vector<std::string> all = repairs_.warnings();
-    all.insert(all.end(), std::make_move_iterator(warnings_.begin()), std::make_move_iterator(warnings_.end()));
+    for (const Warning& warning : warnings_)
+        all.push_back(warning.number == 1
+                          ? fmt::format("{}: {}", warning.first, warning.problem)
+                          : fmt::format("{} and {} more: {}", warning.first, warning.number - 1, warning.problem));
+    if (omitted_ > 0) all.push_back(fmt::format("{} further warnings were omitted", omitted_));
+    omitted_ = 0;
     warnings_.clear();
     return all;
 }

@@ -60,7 +60,8 @@ class Context {
         if (strict_) fail(pointer, problem());
         repairs_.count(fault, pointer);
     }
-    /// Adds a warning to the scene; beyond the limit, warnings are only counted.
+    /// Adds a warning to the scene. The same problem at other places is counted with the first; further problems beyond
+    /// the limit are only counted.
     void warn(const std::string& pointer, const std::string& problem);
     /// Returns all warnings: one for each cause of repairs, then the others, with a final line if some were omitted.
     std::vector<std::string> take_warnings();
@@ -72,7 +73,12 @@ class Context {
     std::string file_;
     bool strict_ = false;
     Repairs repairs_;
-    std::vector<std::string> warnings_;
+    struct Warning {
+        std::string first;   // JSON pointer
+        std::string problem;
+        std::uint64_t number = 1;
+    };
+    std::vector<Warning> warnings_;
     std::size_t omitted_ = 0;
 };
 

@@ -25,6 +25,15 @@ double load(const std::uint8_t* bytes)
 
 constexpr std::uint64_t k_glb_padding = 3;   // a binary chunk ends on a multiple of four
 
+constexpr const char* k_no_file_uri = "file URIs are not allowed: use a path relative to the scene's folder";
+
+// Whether a path leads out of the folder that it is relative to.
+bool leads_out(const std::string& path)
+{
+    const std::filesystem::path normal = std::filesystem::path(path).lexically_normal();
+    return normal.empty() || normal.is_absolute() || *normal.begin() == "..";
+}
+
 // Why a resource is not loaded that lies neither in the file nor in its folder; null: it may.
 const char* why_elsewhere(const Resource& resource)
 {
@@ -97,6 +106,7 @@ Data::Data(const Model& model, const std::filesystem::path& file, std::optional<
                 context.warn(here, "the GLB's binary chunk is longer than the buffer");
         } else {
             Resource resource = parse_uri(*buffer.uri, uri_place, context);
+            if (resource.kind == Resource::Kind::file_uri) context.fail(uri_place, k_no_file_uri);
             if (const char* const why = why_elsewhere(resource)) {
                 context.warn(uri_place, why);
                 bytes.remote = true;
@@ -128,9 +138,12 @@ Data::Data(const Model& model, const std::filesystem::path& file, std::optional<
 std::string Data::meant(const std::string& path, const std::string& pointer) const
 {
     std::error_code error;
-    const bool readable = path.find('\0') == std::string::npos && std::filesystem::path(path).is_relative();
-    if (context_.strict() || !readable || std::filesystem::exists(folder_ / path, error) || error) return path;
-    const std::string likely = name_like(folder_, path);
+    if (context_.strict() || path.find('\0') != std::string::npos) return path;
+    const bool elsewhere = leads_out(path);
+    if (!elsewhere && (std::filesystem::exists(folder_ / path, error) || error)) return path;
+    // Of a path that leads out of the folder, only the file's name is looked for.
+    const std::string name = elsewhere ? std::filesystem::path(path).filename().string() : path;
+    const std::string likely = name == "." || name == ".." ? std::string() : name_like(folder_, name);
     if (likely.empty()) return path;
     if (renamed_.insert(path).second) context_.repair(Fault::file_name, pointer, [] { return std::string(); });
     return likely;
@@ -144,17 +157,34 @@ std::filesystem::path Data::find_file(const std::string& path, const std::string
     return found;
 }
 
+Resource Data::image_resource(const std::string& uri, const std::string& pointer) const
+{
+    Resource resource = parse_uri(uri, pointer, context_);
+    const bool absolute = resource.kind == Resource::Kind::drive || resource.kind == Resource::Kind::file_uri;
+    if (resource.kind == Resource::Kind::file_uri && context_.strict()) context_.fail(pointer, k_no_file_uri);
+    if (absolute && !context_.strict()) {
+        resource.kind = Resource::Kind::file;
+        std::string path(1, '/');
+        path += resource.path;
+        resource.path = std::move(path);
+    }
+    return resource;
+}
+
 std::filesystem::path Data::resource_file(const std::string& uri, const std::string& pointer, bool& missing) const
 {
-    const Resource resource = parse_uri(uri, pointer, context_);
-    const std::filesystem::path relative = std::filesystem::path(resource.path).lexically_normal();
-    const bool below = resource.kind == Resource::Kind::file && !relative.empty() && relative.is_relative() &&
-                       *relative.begin() != ".." && resource.path.find('\0') == std::string::npos;
-    std::error_code error;
-    missing = below && std::filesystem::status(folder_ / meant(resource.path, pointer), error).type() ==
-                           std::filesystem::file_type::not_found;
-    if (missing) return {};
-    return resource.kind == Resource::Kind::file ? find_file(resource.path, pointer) : std::filesystem::path();
+    const Resource resource = image_resource(uri, pointer);
+    missing = false;
+    if (resource.kind != Resource::Kind::file) return {};
+    if (resource.path.find('\0') == std::string::npos) {
+        const std::string path = meant(resource.path, pointer);
+        std::error_code error;
+        if (leads_out(path))
+            missing = !context_.strict();   // nothing outside is opened
+        else
+            missing = std::filesystem::status(folder_ / path, error).type() == std::filesystem::file_type::not_found;
+    }
+    return missing ? std::filesystem::path() : find_file(resource.path, pointer);
 }
 
 std::vector<std::uint8_t> Data::read_file(const std::string& path, const std::string& pointer) const
@@ -168,13 +198,13 @@ std::vector<std::uint8_t> Data::read_file(const std::string& path, const std::st
     }
 }
 
-std::vector<std::uint8_t> Data::resource_bytes(const std::string& uri, const std::string& pointer,
-                                               std::string& mime_type)
+std::optional<std::vector<std::uint8_t>> Data::resource_bytes(const std::string& uri, const std::string& pointer,
+                                                              std::string& mime_type)
 {
-    Resource resource = parse_uri(uri, pointer, context_);
+    Resource resource = image_resource(uri, pointer);
     if (const char* const why = why_elsewhere(resource)) {
-        context_.warn(pointer, why);
-        return {};
+        context_.warn(pointer, std::string(why) + "; its textures are left out");
+        return std::nullopt;
     }
     if (resource.kind == Resource::Kind::data) {
         mime_type = resource.mime_type;
@@ -241,8 +271,11 @@ void Data::read(const Accessor& accessor, std::vector<float>& out) const
     out.clear();
     out.reserve(accessor.count * static_cast<std::uint64_t>(accessor.components()));
     for_each(accessor, [&](std::uint64_t, std::span<const double> element) {
-        for (const double v : element)
+        // What is not finite has been repaired (Fault::not_finite): it is zero.
+        for (const double stored : element) {
+            const double v = std::isfinite(stored) ? stored : 0;
             out.push_back(static_cast<float>(accessor.normalized ? normalized_value(v, accessor.component) : v));
+        }
     });
 }
 

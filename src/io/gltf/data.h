@@ -24,14 +24,20 @@ namespace gnomon::io::gltf {
 
 /// The resource that a URI refers to.
 struct Resource {
-    enum class Kind : std::uint8_t { data, file, remote, drive };   // drive: an absolute path such as C:/a.png
+    enum class Kind : std::uint8_t {
+        data,
+        file,
+        remote,
+        drive,      // an absolute path such as C:/a.png
+        file_uri,   // file:///a.png
+    };
     Kind kind = Kind::file;
     std::string mime_type;             // of a data URI
     std::vector<std::uint8_t> bytes;   // of a data URI
-    std::string path;                  // of a file, percent-decoded; relative
+    std::string path;                  // of a file, percent-decoded; relative. Of drive and file_uri: the name alone
 };
-/// @throws InputError (at the pointer)  not a URI, an incomplete data URI, or an invalid escape
-Resource parse_uri(const std::string& uri, const std::string& pointer, const Context& context);
+/// @throws InputError (at the pointer)  not a URI, or an incomplete data URI
+Resource parse_uri(const std::string& uri, const std::string& pointer, Context& context);
 
 class Data {
  public:
@@ -52,12 +58,12 @@ class Data {
     std::span<const std::uint8_t> buffer_bytes(Index buffer) const { return buffers_[buffer].span; }
     /// Bytes of a buffer view; empty if its buffer has none.
     std::span<const std::uint8_t> view_bytes(Index view) const;
-    /// The file that a URI refers to, independent of its spelling. Empty for data URIs and remote resources.
-    /// @param missing  set if it names a file below the folder that does not exist; the result is then empty
+    /// The file that an image's URI refers to, independent of its spelling. Empty for data URIs and remote resources.
+    /// @param missing  set if there is no such file in the folder or below; the result is then empty
     std::filesystem::path resource_file(const std::string& uri, const std::string& pointer, bool& missing) const;
-    /// The contents of a file or data URI that an image uses. Empty with a warning for a remote one.
-    std::vector<std::uint8_t> resource_bytes(const std::string& uri, const std::string& pointer,
-                                             std::string& mime_type);
+    /// The contents of a file or data URI that an image uses. Nothing, with a warning, for a remote one.
+    std::optional<std::vector<std::uint8_t>> resource_bytes(const std::string& uri, const std::string& pointer,
+                                                            std::string& mime_type);
 
     /// Adds a buffer of decoded data, for buffer views that are added to the model.
     /// @return  its index, after those of the model
@@ -82,6 +88,8 @@ class Data {
         std::span<const std::uint8_t> span;
         bool remote = false;
     };
+    // What an image's URI refers to. Of an absolute path the name alone is taken, unless reading is strict.
+    Resource image_resource(const std::string& uri, const std::string& pointer) const;
     // The name of a file that probably was meant, if there is none with this name.
     std::string meant(const std::string& path, const std::string& pointer) const;
     std::filesystem::path find_file(const std::string& path, const std::string& pointer) const;
@@ -90,7 +98,7 @@ class Data {
     const Model& model_;
     Context& context_;
     mutable std::set<std::string> renamed_;   // files that were found with another name, each counted once
-    std::filesystem::path folder_;                                       // canonical; no file outside is opened
+    std::filesystem::path folder_;            // canonical; no file outside is opened
     std::map<std::filesystem::path, std::vector<std::uint8_t>> files_;   // files of buffers, each read once
     std::vector<Bytes> buffers_;
     std::uint64_t total_bytes_ = 0;

@@ -140,7 +140,7 @@ Index Materials::first_of(Index index)
     return first;
 }
 
-std::vector<std::uint8_t> Materials::bytes_of(Index index)
+std::optional<std::vector<std::uint8_t>> Materials::bytes_of(Index index)
 {
     const Image& image = model_.images[index];
     const std::string here = at("/images", index);
@@ -148,9 +148,9 @@ std::vector<std::uint8_t> Materials::bytes_of(Index index)
         std::string mime_type = image.mime_type;
         return data_.resource_bytes(*image.uri, at(here, "uri"), mime_type);
     }
-    if (image.view == k_absent) return {};
+    if (image.view == k_absent) return std::vector<std::uint8_t>();
     const auto bytes = data_.view_bytes(image.view);
-    return {bytes.begin(), bytes.end()};
+    return std::vector<std::uint8_t>(bytes.begin(), bytes.end());
 }
 
 // Decodes an image when it is first asked for.
@@ -161,7 +161,9 @@ Materials::DecodedImage& Materials::known_image(Index index)
     if (image.read) return image;
     image.read = true;
     const std::string here = at("/images", index);
-    const std::vector<std::uint8_t> bytes = bytes_of(index);
+    const std::optional<std::vector<std::uint8_t>> contents = bytes_of(index);
+    if (!contents) return image;
+    const std::vector<std::uint8_t>& bytes = *contents;
     if (bytes.empty()) {
         context_.warn(here, "has no data: its textures are left out");
         return image;
@@ -205,7 +207,9 @@ const Image8& Materials::decoded_image(Index index)
 {
     index = first_of(index);
     const DecodedImage& image = images_[index];
-    if (image.image.empty()) decode(index, bytes_of(index), static_cast<std::uint64_t>(image.width) * image.height);
+    if (image.image.empty())
+        decode(index, bytes_of(index).value_or(std::vector<std::uint8_t>()),
+               static_cast<std::uint64_t>(image.width) * image.height);
     return image.image;
 }
 
@@ -246,8 +250,9 @@ void Materials::check_unused()
         if (first_of(i) != i) continue;
         if (const auto known = images_.find(i); known != images_.end() && known->second.read) continue;
         const Image& image = model_.images[i];
-        const std::string fault = !image.uri && image.view != k_absent ? header_fault(data_.view_bytes(image.view))
-                                                                       : header_fault(bytes_of(i));
+        const std::string fault = !image.uri && image.view != k_absent
+                                      ? header_fault(data_.view_bytes(image.view))
+                                      : header_fault(bytes_of(i).value_or(std::vector<std::uint8_t>()));
         if (!fault.empty()) context_.fail(at("/images", i), fault);
     }
     images_.clear();

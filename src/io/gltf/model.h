@@ -182,6 +182,9 @@ struct Mesh {
     std::string name;
     std::vector<Primitive> primitives;
     std::optional<std::vector<float>> weights;
+
+    /// The number of morph targets, which is that of each primitive.
+    std::size_t targets() const { return primitives.empty() ? 0 : primitives.front().targets.size(); }
 };
 
 struct Node {

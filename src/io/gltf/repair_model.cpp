@@ -19,7 +19,7 @@ bool has_joints(const Mesh& mesh)
 
 std::size_t targets_of(const Model& model, const Node& node)
 {
-    return node.mesh == k_absent ? 0 : model.meshes[node.mesh].primitives.front().targets.size();
+    return node.mesh == k_absent ? 0 : model.meshes[node.mesh].targets();
 }
 
 // Keeps the first channel of each target, and those with something to animate.
@@ -40,7 +40,7 @@ void repair_model(Model& model)
     for (Image& image : model.images)
         if (image.view != k_absent) image.uri.reset();   // the file is complete in itself
     for (Mesh& mesh : model.meshes)
-        if (mesh.weights) mesh.weights->resize(mesh.primitives.front().targets.size());
+        if (mesh.weights) mesh.weights->resize(mesh.targets());
     for (Node& node : model.nodes) {
         if (node.weights) node.weights->resize(targets_of(model, node));
         if (node.skin != k_absent && node.mesh != k_absent && !has_joints(model.meshes[node.mesh]))

@@ -66,6 +66,20 @@ constexpr Wording k_wordings[] = {
      "nodes repeat meshes in places where 64 others have them", "left out"},
     {"vertex whose colour is zero, opacity included", "vertices whose colours are zero, opacity included",
      "taken as white"},
+    {"property is null", "properties are null", "taken as absent"},
+    {"accessor has no elements", "accessors have no elements", "what uses them is left out"},
+    {"node has a matrix beside translation, rotation or scale",
+     "nodes have matrices beside translation, rotation or scale", "the matrix is used"},
+    {"matrix of a node that is animated", "matrices of nodes that are animated",
+     "taken apart into translation, rotation and scale"},
+    {"channel of an animation whose values are not as many as its keys",
+     "channels of animations whose values are not as many as their keys", "left out"},
+    {"key of an animation is not later than the one before it",
+     "keys of animations are not later than those before them", "left out"},
+    {"key of an animation has a negative time", "keys of animations have negative times", "used as they are"},
+    {"spot light has no cone", "spot lights have no cone", "that of 45 degrees is used"},
+    {"vector of a vertex is not finite", "vectors of vertices are not finite", "taken as zero"},
+    {"name has a percent sign without an escape", "names have percent signs without an escape", "taken literally"},
 };
 static_assert(std::size(k_wordings) == static_cast<std::size_t>(Fault::count));
 

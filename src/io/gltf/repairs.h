@@ -48,6 +48,16 @@ enum class Fault : std::uint8_t {
     byte_order_mark,      // at the beginning of the JSON
     same_place,           // a node that repeats the mesh of many others in the same place
     empty_colors,         // vertex colours that nobody painted: zero, opacity included
+    null_value,           // a property that is null
+    no_elements,          // an accessor without elements
+    two_places,           // a node with a matrix beside translation, rotation or scale
+    animated_matrix,      // a matrix of a node whose translation, rotation or scale is animated
+    key_values,           // a channel of an animation whose values are not as many as its keys
+    key_order,            // a key that is not later than the one before it
+    key_before_zero,      // a key at a negative time
+    spot_without_cone,    // a spot light without the angles of its cone
+    not_finite,           // an attribute of a vertex that is not finite, positions apart
+    uri_escape,           // a percent sign in a URI that does not begin an escape
     count
 };
 

@@ -361,6 +361,7 @@ class Walk {
 
 std::vector<TextureBinding> check_schema(json& document, Context& context)
 {
+    if (!context.strict()) repair_document(document, context);
     return Walk(document, context).run();
 }
 

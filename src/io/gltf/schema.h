@@ -79,6 +79,11 @@ struct TextureBinding {
     std::uint64_t texcoord = 0;
 };
 
+/// Repairs what the tables cannot: null properties, accessors without elements and the primitives that use them, nodes
+/// with two placements, matrices that are animated, channels without a value for each key, spot lights without a cone.
+/// A document may be of any form; what is not as expected is left for check_schema(). Not for strict reading.
+void repair_document(nlohmann::json& document, Context& context);
+
 /// Checks the document against the tables, and repairs it in place where that is allowed (see Repairs).
 /// @returns the texture coordinates that materials need
 /// @throws InputError

@@ -194,7 +194,8 @@ constexpr Rule primitive_rules[] = {need({.name = "attributes", .kind = Kind::at
                                     code("mode", modes),
                                     {.name = "targets", .kind = Kind::attribute_lists, .target = k_accessors}};
 constexpr Table primitive{"primitive", primitive_rules};
-constexpr Rule mesh_rules[] = {need(objects("primitives", primitive)), numbers("weights", 1, SIZE_MAX), text("name")};
+constexpr Rule mesh_rules[] = {or_empty(need(objects("primitives", primitive))), numbers("weights", 1, SIZE_MAX),
+                               text("name")};
 constexpr Table mesh{"mesh", mesh_rules};
 constexpr Rule node_rules[] = {index("camera", "/cameras"),
                                indices("children", k_nodes),

@@ -99,7 +99,7 @@ Resource parse_data_uri(std::string_view rest, const std::string& pointer, const
 
 }   // namespace
 
-Resource parse_uri(const std::string& uri, const std::string& pointer, const Context& context)
+Resource parse_uri(const std::string& uri, const std::string& pointer, Context& context)
 {
     if (uri.empty()) context.fail(pointer, "the URI is empty");
     // The scheme is the text before the first ':' if no other delimiter precedes it.
@@ -114,11 +114,13 @@ Resource parse_uri(const std::string& uri, const std::string& pointer, const Con
         std::transform(scheme.begin(), scheme.end(), scheme.begin(),
                        [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
         if (scheme == "data") return parse_data_uri(std::string_view(uri).substr(delimiter + 1), pointer, context);
-        if (scheme == "file")
-            context.fail(pointer, "file URIs are not allowed: use a path relative to the scene's folder");
         // No scheme has a single letter, but drives have.
         Resource elsewhere;
-        elsewhere.kind = scheme.size() == 1 ? Resource::Kind::drive : Resource::Kind::remote;
+        elsewhere.kind = scheme == "file"     ? Resource::Kind::file_uri
+                         : scheme.size() == 1 ? Resource::Kind::drive
+                                              : Resource::Kind::remote;
+        const std::string name = uri.substr(uri.find_last_of("/\\:") + 1);
+        if (!decode_percent(name, elsewhere.path)) elsewhere.path = name;
         return elsewhere;
     }
     if (uri.rfind("//", 0) == 0) {
@@ -127,7 +129,10 @@ Resource parse_uri(const std::string& uri, const std::string& pointer, const Con
         return remote;
     }
     Resource file;
-    if (!decode_percent(uri, file.path)) context.fail(pointer, "the URI has a bad escape");
+    if (!decode_percent(uri, file.path)) {
+        context.repair(Fault::uri_escape, pointer, [] { return "the URI has a bad escape"; });
+        file.path = uri;   // a name with a percent sign
+    }
     if (file.path.find('\0') != std::string::npos) context.fail(pointer, "the URI holds a zero byte");
     return file;
 }

@@ -215,8 +215,9 @@ void judge_cameras(Scene& scene, const DefaultViewOptions& options)
         scene.cameras.clear();
         add_default_camera(scene);
         scene.warnings.pop_back();
-        scene.warnings.push_back(fmt::format(
-            "no camera of the scene shows a surface: added a default camera before '{}'", shown_name(name)));
+        scene.warnings.push_back(
+            fmt::format("no camera of the scene shows a surface: added a default camera before {}",
+                        name.empty() ? std::string("the first") : fmt::format("'{}'", shown_name(name))));
         scene.cameras.insert(scene.cameras.end(), own.begin(), own.end());
         return;
     }
