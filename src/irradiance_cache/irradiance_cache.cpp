@@ -212,7 +212,7 @@ bool IrradianceCache::shade_points(Batch::Scratch& own, std::span<const Indirect
     while (!work.lattice.empty()) {
         own.collector.collect_cells(frame_, points, own.claims, work);
         evaluate_claimed(own);
-        own.interpolator.blend_level(frame_, points, work, irradiance);
+        own.interpolator.blend_level(frame_, points, work, irradiance, own.evaluation.counters);
     }
 
     // Interpolate parts of triangles where no lattice point applies; and, where those are dark, parts around the pixel.

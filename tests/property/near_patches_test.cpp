@@ -145,5 +145,64 @@ TEST(NearPatches, LightAtTheMouthOfAGapStaysThere)
     }
 }
 
+// Black paving with open joints below a white ceiling that a point light shines at, seen from above. What arrives on
+// the paving comes from the ceiling.
+Scene paving(float width, float depth)
+{
+    SceneBuilder builder;
+    const MaterialId black = builder.material({.base_color = {0.02f, 0.02f, 0.02f}, .roughness = 1, .ior = 1});
+    const MaterialId white = builder.material({.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .ior = 1});
+    std::vector<Vec3> corners;
+    for (int i = 0; i < 8; ++i) corners.push_back({i & 1 ? 0.5f : -0.5f, i & 2 ? 0.0f : -1.0f, i & 4 ? 0.5f : -0.5f});
+    // The top and four sides.
+    const std::vector<std::uint32_t> faces{2, 6, 3, 3, 6, 7, 0, 2, 1, 1, 2, 3, 4, 5, 6,
+                                           5, 7, 6, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5};
+    const MeshId stone = builder.mesh({.positions = corners, .indices = faces});
+    builder.instance(add_sheet(builder, k_up), black,
+                     Transform::translation(0, -depth, 0) * Transform::scaling(4, 1, 4));
+    builder.instance(add_sheet(builder, k_down), white,
+                     Transform::translation(0, 2.5, 0) * Transform::scaling(6, 1, 6));
+    for (int i = -4; i < 4; ++i)
+        builder.instance(stone, black,
+                         Transform::translation(0, 0, 0.1 * i + 0.05) * Transform::scaling(2, depth, 0.1f - width));
+    builder.light({.color = {10, 10, 10}}, Transform::translation(0, 2, 1.6));
+    Camera camera;
+    camera.transform = Transform::look_at({0, 1, 0.001f}, {0, 0, 0});
+    camera.vertical_fov = 0.49;
+    builder.camera(camera);
+    return builder.finish();
+}
+
+TEST(NearPatches, JointsHaveNotTheLightOfThePavingAbove)
+{
+    constexpr int k_size = 96;
+    const Scene scene = paving(0.02f, 0.02f);
+    RenderOptions options;
+    options.size = {k_size, k_size};
+    options.layers = true;
+    options.bounces = 1;
+    const std::vector<float> image = indirect_of(Renderer(options).render(scene, 1));
+    options.reference = ReferenceLightOptions{64, 1, 0};
+    const std::vector<float> truth = indirect_of(Renderer(options).render(scene, 1));
+    // Mean of the rows in the middle of joints and of stones.
+    const auto mean = [](const std::vector<float>& of, double centre) {
+        double sum = 0;
+        int count = 0;
+        for (int y = 0; y < k_size; ++y) {
+            const double z = ((y + 0.5) / k_size - 0.5) * 0.5, from = z - 0.1 * std::round((z - centre) / 0.1) - centre;
+            if (std::abs(from) > 0.003) continue;
+            for (int x = 0; x < k_size; ++x)
+                sum += static_cast<double>(of[static_cast<std::size_t>(3 * (y * k_size + x))]);
+            count += k_size;
+        }
+        return sum / count;
+    };
+    RecordProperty("joints", std::to_string(mean(image, 0) / mean(truth, 0)));
+    RecordProperty("joints_to_stones", std::to_string(mean(truth, 0) / mean(truth, 0.05)));
+    EXPECT_NEAR(mean(image, 0.05) / mean(truth, 0.05), 1, 0.05);
+    EXPECT_LT(mean(truth, 0), 0.6 * mean(truth, 0.05));
+    EXPECT_NEAR(mean(image, 0) / mean(truth, 0), 1, 0.15);
+}
+
 }   // namespace
 }   // namespace gnomon

@@ -19,21 +19,29 @@ constexpr float k_plane_around = 2.0f;
 constexpr float k_room = 0.005f;
 // A level contributes nothing below the first bilinear weight, and fully from the second on.
 constexpr float k_least_weight = 0.02f, k_full_weight = 0.15f;
+// A surface point that lies deeper than this fraction of the spacing below the plane of a cache point takes its light
+// only if it sees it: what lies in a joint or between tiles has not the light of what is above.
+constexpr float k_deep = 0.06f;
 // Fraction of a point's irradiance that may come from a level that is slightly too coarse.
 constexpr float k_least_rest = 0.02f;
+
+LatticeReach reach_of(const CollectedCell& cell)
+{
+    return {k_plane_distance * spacing_of(cell.level), k_facing, true};
+}
 
 }   // namespace
 
 void Interpolator::blend_level(const CacheFrame& frame, std::span<const IndirectPoint> points, BatchWork& work,
-                               glm::vec3* irradiance)
+                               glm::vec3* irradiance, CacheCounters& counters)
 {
     // Interpolate the four points of each cell.
     gather_anchors(work);
     light_.resize(work.lattice.size());
     around_.resize(work.lattice.size());
     for (const CollectedCell& cell : work.cells)
-        interpolate_cell(cell.anchors, {k_plane_distance * spacing_of(cell.level), k_facing, true}, work.lattice_points,
-                         cell.first, cell.end - cell.first, light_);
+        interpolate_cell(cell.anchors, reach_of(cell), work.lattice_points, cell.first, cell.end - cell.first, light_);
+    leave_out_hidden(frame, points, work, counters);
     std::size_t kept = 0;
     for (std::size_t k = 0; k < work.lattice.size(); ++k) {
         LatticeRequest request = work.lattice[k];
@@ -66,6 +74,55 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
             work.parts.push_back({request.point, (1 - finest) * request.weight, 0, nullptr, request.fallback});
     }
     work.lattice.resize(kept);
+}
+
+// Interpolates again where a surface point lies deep below cache points of its cell: without those that geometry hides
+// from it.
+void Interpolator::leave_out_hidden(const CacheFrame& frame, std::span<const IndirectPoint> points,
+                                    const BatchWork& work, CacheCounters& counters)
+{
+    // Both ends of a ray are raised by this part of the depth, so that a surface that curves does not hide its points.
+    constexpr float k_lift = 0.25f, k_end = 0.999f;
+    rays_.clear();
+    doubted_.clear();
+    for (const CollectedCell& cell : work.cells) {
+        const CellAnchors& anchors = cell.anchors;
+        const float spacing = spacing_of(cell.level), deep = k_deep * spacing;
+        for (std::size_t k = cell.first; k < cell.end; ++k) {
+            if (!(light_.weight[k] > 0)) continue;
+            const IndirectPoint& point = points[work.lattice[k].point];
+            const glm::vec3 &p = point.position, &n = point.geometric_normal;
+            for (int i = 0; i < 4; ++i) {
+                const float depth =
+                    (anchors.x[i] - p.x) * n.x + (anchors.y[i] - p.y) * n.y + (anchors.z[i] - p.z) * n.z;
+                if (!(depth > deep && depth < k_plane_distance * spacing)) continue;
+                const CachePoint& anchor = *cell.point[i];
+                if (!(glm::dot(anchor.normal, point.normal) > k_facing)) continue;
+                const glm::vec3 from = p + (anchor.lift + k_lift * depth) * n;
+                rays_.push(from, 0, anchor.origin() + k_lift * depth * anchor.geometric_normal - from, k_end);
+                doubted_.push_back({k, i});
+            }
+        }
+    }
+    if (doubted_.empty()) return;
+    occluded_.resize(rays_.size() + ray::k_packet_pad);
+    frame.rays->occluded(rays_, 0, rays_.size(), occluded_.data(), ray::Against::static_only);
+    counters.rays += rays_.size();
+    for (std::size_t d = 0; d < doubted_.size();) {
+        const std::size_t k = doubted_[d].request;
+        const CollectedCell& cell = work.cells[work.lattice[k].cell];
+        CellAnchors seen = cell.anchors;
+        bool any = false;
+        for (; d < doubted_.size() && doubted_[d].request == k; ++d) {
+            if (!occluded_[d]) continue;
+            seen.x[doubted_[d].anchor] = seen.low_b[doubted_[d].anchor] = k_infinity;
+            any = true;
+        }
+        if (!any) continue;
+        interpolate_cell(seen, reach_of(cell), work.lattice_points, k, 1, around_);
+        light_.r[k] = around_.r[k], light_.g[k] = around_.g[k], light_.b[k] = around_.b[k];
+        light_.form_factor[k] = around_.form_factor[k], light_.weight[k] = around_.weight[k];
+    }
 }
 
 // Copies the values of each cell's cache points into the layout of interpolate_cell().

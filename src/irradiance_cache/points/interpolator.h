@@ -3,8 +3,9 @@
 // Step 3 of the irradiance cache, interpolate: blends the irradiance of evaluated cache points at surface points.
 //
 // A level of the lattice contributes as far as its points lie near the surface point's plane, face the same way and are
-// not separated from it by a wall; the rest of the weight goes to finer levels, and in the end to parts of triangles.
-// Each level fades in and out over a fraction of its range, so irradiance changes continuously with the distance.
+// not separated from it by a wall, nor hidden from it where it lies below them; the rest of the weight goes to finer
+// levels, and in the end to parts of triangles. Each level fades in and out over a fraction of its range, so irradiance
+// changes continuously with the distance.
 
 #include "irradiance_cache/points/collector.h"
 
@@ -20,14 +21,20 @@ class Interpolator {
     Interpolator() { rays_.purpose = ray::RayClass::indirect; }
     /// Adds the contribution of the collected cells, and leaves in `work` the requests for finer levels and parts.
     void blend_level(const CacheFrame& frame, std::span<const IndirectPoint> points, BatchWork& work,
-                     glm::vec3* irradiance);
+                     glm::vec3* irradiance, CacheCounters& counters);
     /// Adds the contribution of the collected parts, and leaves in `work` requests for finer parts, or for parts around
     /// the pixel, where these do not represent it.
     void blend_parts(const CacheFrame& frame, std::span<const IndirectPoint> points, PartsAre are, BatchWork& work,
                      glm::vec3* irradiance, CacheCounters& counters);
 
  private:
+    struct Doubted {   // a cache point that a surface point may not see
+        std::size_t request;
+        int anchor;
+    };
     static void gather_anchors(BatchWork& work);
+    void leave_out_hidden(const CacheFrame& frame, std::span<const IndirectPoint> points, const BatchWork& work,
+                          CacheCounters& counters);
     Arriving fallback(const BatchWork& work, std::size_t request);
 
     LatticeLight light_, around_;
@@ -35,6 +42,7 @@ class Interpolator {
                      CacheCounters& counters);
 
     std::vector<PartRequest> replaced_;
+    std::vector<Doubted> doubted_;
     ray::RayQueue rays_;
     std::vector<std::uint8_t> occluded_, hidden_;
 };

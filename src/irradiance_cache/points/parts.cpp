@@ -8,6 +8,8 @@ namespace gnomon::irradiance_cache {
 
 namespace {
 
+constexpr float k_slender = 4;   // longest side of a slender triangle, in square roots of its area
+
 // The cross product of a triangle's sides.
 glm::vec3 cross_of(const ray::ObjectGeometry& geometry, std::uint32_t triangle)
 {
@@ -105,9 +107,16 @@ PartWeights select_parts_of_mean(const CacheFrame& frame, const IndirectPoint& p
 
 PartWeights select_pixel_parts(const CacheFrame& frame, const IndirectPoint& point)
 {
+    glm::vec3 p[3];
+    frame.rays->geometry(point.object).corners(point.triangle, p);
+    const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
+    // Divide a slender triangle by its length: the middle of a part may lie far from the pixel, behind other geometry.
+    const float size = std::sqrt(0.5f * glm::length(cross));
+    const float longest = std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
+    const float by_length = longest > k_slender * size ? size / longest : 1.0f;
+    const float spacing = by_length * frame.options.pixels_per_own * point.width;
     PartWeights parts;
-    add_own_parts(frame, parts, point, cross_of(frame.rays->geometry(point.object), point.triangle),
-                  frame.options.pixels_per_own * point.width);
+    add_own_parts(frame, parts, point, cross, spacing);
     return parts;
 }
 
