@@ -58,6 +58,26 @@ TEST_F(ObjImport, ReadsEveryFormOfCorner)
     EXPECT_TRUE(scene.warnings.empty()) << scene.warnings[0];
 }
 
+// Programs write these where faces have no area.
+TEST_F(ObjImport, NumbersThatAreNotFiniteAreRepairedWhereThatIsSafe)
+{
+    const std::string normals = "vn nan nan nan\nvn -nan(ind) 0 1\nvn 0 1.#QNAN -1.#IND\nvn 0 0 1\n";
+    const std::string file = k_square + normals + "vt nan 0.5\nvt 1 -INF 0\nvt 0.25 1\nf 1/1/1 2/2/2 3/3/3\n";
+    const scene::Scene scene = load(file);
+    EXPECT_TRUE(warned(scene, "3 normals are not finite: computed from faces"));
+    EXPECT_TRUE(warned(scene, "2 texture coordinates are not finite: set to 0"));
+    EXPECT_EQ(scene.warnings.size(), 2u);
+    ASSERT_EQ(scene.meshes.size(), 1u);
+    for (const glm::vec3& normal : scene.meshes[0].normals) EXPECT_EQ(normal, glm::vec3(0, 0, 1));
+    EXPECT_EQ(scene.meshes[0].texcoords[0][2], glm::vec2(0.25f, 0));
+
+    EXPECT_EQ(place_of_error("v 0 nan 0\n"), "1:5") << "positions are not";
+    EXPECT_EQ(place_of_error(k_square + "vn 0 x 1\n"), "5:6");
+    EXPECT_THROW(load_obj(folder_ / "scene.obj", {}, {.strict = true}), InputError);
+    put("scene.obj", file);
+    EXPECT_THROW(load_obj(folder_ / "scene.obj", {}, {.strict = true}), InputError);
+}
+
 // Files that were moved from another computer name theirs as that one did.
 TEST_F(ObjImport, FilesAreFoundUnderSimilarNames)
 {
@@ -102,7 +122,7 @@ TEST_F(ObjImport, ErrorsNameLineAndColumn)
     EXPECT_EQ(place_of_error("v 0 nan 0\n"), "1:5");
     EXPECT_EQ(place_of_error("v 0 0\n"), "1:6");
     EXPECT_EQ(place_of_error("v 0 0 1e30\n"), "1:7");
-    EXPECT_EQ(place_of_error("vn 0 0 inf\n"), "1:8");
+    EXPECT_EQ(place_of_error("vn 0 0 infx 1\n"), "1:8");
     EXPECT_EQ(place_of_error("vt x\n"), "1:4");
     EXPECT_EQ(place_of_error("s -1\n"), "1:3");
     EXPECT_EQ(place_of_error("nothing\nof it\n"), "");

@@ -20,7 +20,8 @@ constexpr std::uint32_t k_statements_a_step = 1 << 10;   // between two reports 
 
 class Parser {
  public:
-    Parser(ObjText& text, std::vector<std::string>& warnings) : text_(text), warnings_(warnings)
+    Parser(ObjText& text, bool strict, std::vector<std::string>& warnings)
+        : text_(text), strict_(strict), warnings_(warnings)
     {
         data_.materials.emplace_back();
         material_ids_.emplace("", 0);
@@ -43,8 +44,10 @@ class Parser {
         if (keyword == "v") return position();
         if (keyword == "vt") return texcoord();
         if (keyword == "vn") {
-            const float x = text_.number("a number"), y = text_.number("a number"), z = text_.number("a number");
-            data_.normals.emplace_back(x, y, z);
+            glm::vec3 n(0);
+            const bool finite = number(n.x, "a number") & number(n.y, "a number") & number(n.z, "a number");
+            not_finite_normals_ += !finite;
+            data_.normals.push_back(finite ? n : glm::vec3(0));
             return known();
         }
         if (keyword == "f" || keyword == "fo") return face();
@@ -66,6 +69,15 @@ class Parser {
             return known();
         }
         unknown(keyword);
+    }
+
+    // Reads a number that may be repaired: one that is written as not finite is 0.
+    // @return whether it is finite
+    bool number(float& value, const char* what)
+    {
+        if (!strict_ && text_.skip_not_finite()) return value = 0, false;
+        value = text_.number(what);
+        return true;
     }
 
     void position()
@@ -111,9 +123,11 @@ class Parser {
     void texcoord()
     {
         glm::vec2 t(0);
-        t.x = text_.number("a texture coordinate");
-        if (!text_.at_end()) t.y = text_.number("a texture coordinate");
-        if (!text_.at_end()) text_.number("a texture coordinate");
+        float third = 0;
+        bool finite = number(t.x, "a texture coordinate");
+        if (!text_.at_end()) finite &= number(t.y, "a texture coordinate");
+        if (!text_.at_end()) number(third, "a texture coordinate");
+        not_finite_texcoords_ += !finite;
         data_.texcoords.push_back(t);
         known();
     }
@@ -209,6 +223,13 @@ class Parser {
             for (ObjCorner& corner : data_.corners) corner.normal = k_no_index;
             ahead_[2].largest = -1;
         }
+        if (not_finite_normals_ > 0)
+            warnings_.push_back(fmt::format("{} {} not finite: computed from faces", not_finite_normals_,
+                                            not_finite_normals_ == 1 ? "normal is" : "normals are"));
+        if (not_finite_texcoords_ > 0)
+            warnings_.push_back(
+                fmt::format("{} {} not finite: set to 0", not_finite_texcoords_,
+                            not_finite_texcoords_ == 1 ? "texture coordinate is" : "texture coordinates are"));
         for (int i = 0; i < 3; ++i) {
             if (ahead_[i].largest >= static_cast<std::int64_t>(have[i]))
                 throw InputError(
@@ -233,7 +254,9 @@ class Parser {
     }
 
     ObjText& text_;
+    bool strict_;
     std::vector<std::string>& warnings_;
+    std::size_t not_finite_normals_ = 0, not_finite_texcoords_ = 0;
     ObjData data_;
     std::unordered_map<std::string, std::size_t> material_ids_, object_ids_;
     std::string object_, group_;
@@ -249,9 +272,9 @@ class Parser {
 
 }   // namespace
 
-ObjData parse_obj(ObjText& text, std::vector<std::string>& warnings)
+ObjData parse_obj(ObjText& text, bool strict, std::vector<std::string>& warnings)
 {
-    return Parser(text, warnings).run();
+    return Parser(text, strict, warnings).run();
 }
 
 }   // namespace gnomon::io

@@ -46,8 +46,9 @@ struct ObjData {
 /// Positions beyond this are rejected: the square of a triangle's area must fit into a float.
 inline constexpr float k_largest_coordinate = 1e9f;
 
-/// @param warnings  one for each kind of statement that was ignored
+/// @param strict    refuses normals and texture coordinates that are not finite instead of repairing them
+/// @param warnings  one for each kind of statement that was ignored or repaired
 /// @throws InputError, InterruptedError
-ObjData parse_obj(ObjText& text, std::vector<std::string>& warnings);
+ObjData parse_obj(ObjText& text, bool strict, std::vector<std::string>& warnings);
 
 }   // namespace gnomon::io

@@ -102,7 +102,7 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
     {
         const auto bytes = read_whole_file(file, file.string(), k_largest_obj);
         ObjText text(file.string(), text_of(bytes));
-        data = parse_obj(text, scene.warnings);
+        data = parse_obj(text, options.strict, scene.warnings);
     }
 
     // Create a material for every name that is used. If two have the same name, the first is used.

@@ -169,6 +169,23 @@ bool ObjText::try_number(float& value)
     return false;
 }
 
+bool ObjText::skip_not_finite()
+{
+    // Look ahead by a few characters first, because most words are numbers.
+    skip_blanks();
+    const char* first = at_;
+    if (first != end_ && (*first == '-' || *first == '+')) ++first;
+    if (first == end_ || (*first != 'n' && *first != 'N' && *first != 'i' && *first != 'I' && *first != '1'))
+        return false;
+    std::string name;
+    for (const char* p = first; p != end_ && *p > ' ' && name.size() < 16; ++p)
+        name += *p >= 'A' && *p <= 'Z' ? static_cast<char>(*p - 'A' + 'a') : *p;
+    if (name != "nan" && name != "inf" && name != "infinity" && !name.starts_with("nan(") && !name.starts_with("1.#"))
+        return false;
+    word();
+    return true;
+}
+
 bool ObjText::integer(std::string_view word, std::size_t& at, std::int64_t& value)
 {
     const char* const first = word.data() + at;

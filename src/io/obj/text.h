@@ -31,6 +31,9 @@ class ObjText {
     float number(const char* what);
     /// Reads a number if the next word is a valid one; otherwise consumes nothing.
     bool try_number(float& value);
+    /// Consumes the next word if it is how programs write a number that is not finite: nan, inf, infinity, -nan(ind),
+    /// 1.#QNAN and the like.
+    bool skip_not_finite();
     /// Reads a 64-bit integer from a word, from `at` on; returns false if there is none.
     static bool integer(std::string_view word, std::size_t& at, std::int64_t& value);
 
