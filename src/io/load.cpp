@@ -15,8 +15,8 @@ scene::Scene load_scene(const std::filesystem::path& file, const Progress& progr
     if (extension == ".aff") return load_aff(file, progress, options);
     if (extension == ".obj") return load_obj(file, progress, options);
     if (extension == ".gltf" || extension == ".glb") return load_gltf(file, progress, options);
-    if (extension == ".ply") return load_ply(file, progress);
-    if (extension == ".stl") return load_stl(file, progress);
+    if (extension == ".ply") return load_ply(file, progress, options);
+    if (extension == ".stl") return load_stl(file, progress, options);
     throw UsageError(fmt::format("{}: unknown scene format '{}'; use .gltf, .glb, .obj, .ply, .stl or .aff",
                                  file.string(), extension));
 }

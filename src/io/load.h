@@ -14,7 +14,7 @@ namespace gnomon::io {
 
 /// How a file is read; see LoadOptions. Formats that have no repairs, clips or variants ignore these.
 struct ReadOptions {
-    bool strict = false;       // glTF: refuse every error, instead of repairing those that io/gltf/repairs.h lists
+    bool strict = false;       // refuse every error, instead of repairing those that docs/guide/files.md lists
     std::string animation{};   // glTF: name or number of the clip that plays, "all", or empty
     std::string variant{};     // glTF: name of a variant, or empty
     std::uint64_t memory = scene::MemoryBudget::k_usual;   // bytes that the file may ask for
@@ -35,10 +35,12 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
                       const ReadOptions& options = {});
 
 /// PLY meshes, as text or binary in either byte order. Point clouds are rejected.
-scene::Scene load_ply(const std::filesystem::path& file, const Progress& progress = {});
+scene::Scene load_ply(const std::filesystem::path& file, const Progress& progress = {},
+                      const ReadOptions& options = {});
 
 /// STL meshes, as text or binary.
-scene::Scene load_stl(const std::filesystem::path& file, const Progress& progress = {});
+scene::Scene load_stl(const std::filesystem::path& file, const Progress& progress = {},
+                      const ReadOptions& options = {});
 
 /// glTF 2.0: .gltf with its buffers and images in its folder or below, or .glb. Places in errors are JSON pointers
 /// (line:column if the JSON itself is invalid, "byte N" in the container of a GLB).

@@ -78,6 +78,34 @@ TEST_F(ObjImport, NumbersThatAreNotFiniteAreRepairedWhereThatIsSafe)
     EXPECT_THROW(load_obj(folder_ / "scene.obj", {}, {.strict = true}), InputError);
 }
 
+// Some programs write numbers as people do in their country.
+TEST_F(ObjImport, DecimalCommasAreReadAsPoints)
+{
+    put("m.mtl", "newmtl m\nKd 0,25 0,5 1\nPr 0,5\n");
+    const std::string file = "mtllib m.mtl\nusemtl m\nv 0,5 0 0\nv 1,5e0 0 0\nv 1 1 -0,25\nf 1 2 3\n";
+    const scene::Scene scene = load(file);
+    ASSERT_EQ(scene.meshes.size(), 1u);
+    EXPECT_EQ(scene.meshes[0].positions[0], glm::vec3(0.5f, 0, 0));
+    EXPECT_EQ(scene.meshes[0].positions[2], glm::vec3(1, 1, -0.25f));
+    EXPECT_EQ(scene.materials.at(0).base_color, glm::vec3(0.25f, 0.5f, 1));
+    EXPECT_TRUE(warned(scene, "3 numbers have a decimal comma: read as a point"));
+    EXPECT_EQ(scene.warnings.size(), 2u);
+    EXPECT_THROW(load_obj(folder_ / "scene.obj", {}, {.strict = true}), InputError);
+    EXPECT_EQ(place_of_error("v 1,000.5 0 0\n"), "1:3") << "which of the two is the point?";
+    EXPECT_EQ(place_of_error("v 1,2,3 0 0\n"), "1:3");
+}
+
+TEST_F(ObjImport, LinesMayEndInCarriageReturns)
+{
+    std::string file = "# old\rmtllib m.mtl\rusemtl m\rv 0 0 0\rv 1 0 \\\r0\rv 1 1 0\rf 1 2 3\r";
+    put("m.mtl", "newmtl m\rKd 1 0 0\r");
+    const scene::Scene scene = load(file);
+    ASSERT_EQ(scene.meshes.size(), 1u);
+    EXPECT_EQ(scene.meshes[0].triangles.size(), 1u);
+    EXPECT_EQ(scene.materials.at(0).base_color, glm::vec3(1, 0, 0));
+    EXPECT_TRUE(scene.warnings.empty());
+}
+
 // Files that were moved from another computer name theirs as that one did.
 TEST_F(ObjImport, FilesAreFoundUnderSimilarNames)
 {

@@ -7,11 +7,12 @@
 namespace gnomon::io {
 namespace {
 
-std::vector<MtlMaterial> parse(const std::string& text, std::vector<std::string>* warnings = nullptr)
+std::vector<MtlMaterial> parse(const std::string& text, std::vector<std::string>* warnings = nullptr,
+                               bool strict = false)
 {
     std::vector<std::string> ignored;
-    ObjText reader("m.mtl", text);
-    return parse_mtl(reader, warnings ? *warnings : ignored);
+    ObjText reader("m.mtl", text, !strict);
+    return parse_mtl(reader, strict, warnings ? *warnings : ignored);
 }
 
 scene::Material material(const std::string& statements)
@@ -42,8 +43,20 @@ TEST(ObjMaterial, ReportsErrorsAndWarnings)
     std::vector<std::string> warnings;
     EXPECT_EQ(parse("Kd 1 1 1\nnewmtl a\nKd spectral x.rfl\nfoo 1\nfoo 2\n", &warnings).size(), 1u);
     EXPECT_EQ(warnings.size(), 3u);
-    for (const char* bad : {"Kd a b c", "Kd 1 2", "Kd nan 0 0", "Ns x", "d", "Ns", "Kd", "map_Kd -s x a.png"})
-        EXPECT_THROW(parse(std::string("newmtl a\n") + bad), InputError) << bad;
+    // A value that cannot be read leaves the material as if it were not there.
+    for (const char* bad : {"Kd a b c", "Kd 1 2", "Kd nan 0 0", "Ns x", "d", "Ns", "Kd", "map_Kd -s x a.png"}) {
+        warnings.clear();
+        const MtlMaterial m = parse(std::string("newmtl a\n") + bad + "\nKs 1 1 1\n", &warnings).at(0);
+        EXPECT_FALSE(m.diffuse || m.exponent || m.dissolve) << bad;
+        EXPECT_EQ(m.specular, glm::vec3(1)) << bad;
+        EXPECT_EQ(warnings, std::vector<std::string>{"m.mtl, line 2: 1 value is not a number: ignored"}) << bad;
+        EXPECT_THROW(parse(std::string("newmtl a\n") + bad, nullptr, true), InputError) << bad;
+    }
+    // One warning for all keywords.
+    warnings.clear();
+    parse("newmtl a\nA 1\nB 1\nC 1\nA 2\nnewmtl b\nD\nE\nF\nG\n", &warnings);
+    EXPECT_EQ(warnings, std::vector<std::string>{
+                            "m.mtl: 'A', 'B', 'C', 'D', 'E' and further keywords are not supported and ignored"});
     EXPECT_EQ(parse("newmtl a\nKd 0.25\n")[0].diffuse, glm::vec3(0.25f));
 }
 

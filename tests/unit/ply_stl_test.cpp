@@ -17,16 +17,16 @@ namespace {
 
 class PlyStl : public testing::Test {
  protected:
-    scene::Scene load(const std::string& name, const std::string& bytes)
+    scene::Scene load(const std::string& name, const std::string& bytes, bool strict = false)
     {
         std::ofstream(folder_ / name, std::ios::binary) << bytes;
-        return io::load_scene(folder_ / name);
+        return io::load_scene(folder_ / name, {}, {.strict = strict});
     }
     // The message of the refusal, without the file's name.
-    std::string refusal(const std::string& name, const std::string& bytes)
+    std::string refusal(const std::string& name, const std::string& bytes, bool strict = false)
     {
         try {
-            load(name, bytes);
+            load(name, bytes, strict);
         } catch (const InputError& error) {
             return error.place() + ": " + error.problem();
         }
@@ -230,7 +230,7 @@ TEST_F(PlyStl, BrokenStlIsRefusedWithAPlace)
     EXPECT_EQ(refusal("a.stl", "short"), "byte 0: is neither text that begins with 'solid' nor a binary STL");
     std::string wild = binary_stl();
     wild.replace(84 + 12, 4, raw(std::numeric_limits<float>::infinity(), false));
-    EXPECT_EQ(refusal("a.stl", wild), "byte 96: inf is not a coordinate");
+    EXPECT_EQ(refusal("a.stl", wild, true), "byte 96: inf is not a coordinate");
     std::string many = binary_stl();
     many.replace(80, 4, raw(0xfffffffeu, false));
     EXPECT_EQ(refusal("a.stl", many).rfind("byte 80: ", 0), 0u);
@@ -239,6 +239,59 @@ TEST_F(PlyStl, BrokenStlIsRefusedWithAPlace)
               std::string::npos);
     EXPECT_NE(refusal("a.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 x\n").find("a coordinate"),
               std::string::npos);
+}
+
+// Programs write normals that are no numbers where faces have no area.
+TEST_F(PlyStl, ValuesOfPlyThatAreNotFiniteAreRepairedWhereThatIsSafe)
+{
+    const std::string bytes =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "property float nx\nproperty float ny\nproperty float nz\nproperty float s\nproperty float t\n"
+        "property float red\nproperty float green\nproperty float blue\nelement face 1\n"
+        "property list uchar int vertex_index\nend_header\n"
+        "0 0 0 nan nan nan 0 0 1 1 1\n1 0 0 0 inf 0 1 nan 1 1 1\n0 1 0 0 0 1 1 1 1 -nan 1\n3 0 1 2\n";
+    const scene::Scene s = load("a.ply", bytes);
+    ASSERT_EQ(s.warnings.size(), 2u);
+    EXPECT_EQ(s.warnings[0], "2 normals are not finite: computed from faces");
+    EXPECT_EQ(s.warnings[1], "2 values of texture coordinates and colours are not finite: set to 0");
+    for (const glm::vec3& n : s.meshes.at(0).normals) EXPECT_EQ(n, glm::vec3(0, 0, 1));
+    EXPECT_EQ(refusal("a.ply", bytes, true), "line 18: the normal is not finite");
+}
+
+TEST_F(PlyStl, LinesMayEndInCarriageReturns)
+{
+    const auto returns = [](std::string text) {
+        std::erase(text, '\r');
+        std::replace(text.begin(), text.end(), '\n', '\r');
+        return text;
+    };
+    EXPECT_EQ(load("a.ply", returns(text_ply())).meshes.at(0).triangles.size(), 4u);
+    EXPECT_EQ(load("a.stl", returns(k_text_stl)).meshes.at(0).triangles.size(), 2u);
+    // The first byte of a binary body may be that of a line feed.
+    std::string binary = binary_ply(false);
+    const std::size_t body = binary.find("end_header\n") + 11;
+    binary = returns(binary.substr(0, body)) + '\n' + binary.substr(body + 1);
+    EXPECT_EQ(load("a.ply", binary).meshes.at(0).triangles.size(), 4u);
+}
+
+TEST_F(PlyStl, FacetsWithoutNumbersAndCommentsOfStlAreLeftOut)
+{
+    std::string text = k_text_stl;
+    text.replace(text.find("vertex 1 1 0"), 12, "vertex nan 1 0");
+    text.replace(text.find(" FACET NORMAL"), 0, "; by a program\n// of another kind\n");
+    const scene::Scene s = load("a.stl", text);
+    EXPECT_EQ(s.meshes.at(0).triangles.size(), 1u);
+    ASSERT_EQ(s.warnings.size(), 2u);
+    EXPECT_EQ(s.warnings[0], "1 facet has corners that are not finite: left out");
+    EXPECT_EQ(s.warnings[1], "line 9: 2 lines are neither a facet nor the end of a solid: ignored");
+    EXPECT_NE(refusal("a.stl", text, true), "accepted");
+    std::string binary = binary_stl();
+    binary.replace(84 + 12, 4, raw(std::numeric_limits<float>::quiet_NaN(), false));
+    EXPECT_EQ(load("a.stl", binary).meshes.at(0).triangles.size(), 1u);
+    // Text that is no STL is refused, however it begins.
+    std::string prose = "solid ground\n";
+    for (int i = 0; i < 2000; ++i) prose += "is what it stands on\n";
+    EXPECT_EQ(refusal("a.stl", prose), "1002:1: expected a facet, found 'is'");
 }
 
 // Files with changed or missing bytes are read or refused, and nothing else.

@@ -236,6 +236,7 @@ class Parser {
                     text_.file(), ahead_[i].place,
                     fmt::format("{} {} is out of range: there are {}", what[i], ahead_[i].largest + 1, have[i]));
         }
+        if (std::string commas = text_.comma_warning(); !commas.empty()) warnings_.push_back(std::move(commas));
         if (unknown_.size() > k_most_unknown_keywords)
             warnings_.emplace_back("further unknown keywords are ignored, too");
     }

@@ -10,137 +10,212 @@ namespace gnomon::io {
 
 namespace {
 
-constexpr std::size_t k_most_unknown_keywords = 10;
+constexpr std::size_t k_most_named = 5;   // keywords in a warning
 
-// Reads a colour; one number is grey. Spectral curves and XYZ are not supported.
-std::optional<glm::vec3> color(ObjText& text, bool& unsupported)
-{
-    glm::vec3 c(0);
-    if (!text.try_number(c.x)) {
-        const std::string_view word = text.word();
-        if (word == "spectral" || word == "xyz") return unsupported = true, std::nullopt;
-        text.fail(word.empty() ? "a colour is missing" : fmt::format("expected a colour, found '{}'", shown(word)));
+class Parser {
+ public:
+    Parser(ObjText& text, bool strict) : text_(text), strict_(strict) {}
+
+    std::vector<MtlMaterial> run(std::vector<std::string>& warnings)
+    {
+        for (std::string_view key = text_.next_statement(); !key.empty(); key = text_.next_statement()) {
+            if (key == "newmtl") {
+                materials_.emplace_back();
+                materials_.back().name = text_.rest();
+            } else if (materials_.empty()) {
+                ++before_first_;
+            } else {
+                statement(key, materials_.back());
+            }
+        }
+        warn(warnings);
+        return std::move(materials_);
     }
-    if (text.at_end()) return glm::vec3(c.x);
-    c.y = text.number("a colour's second component");
-    c.z = text.number("a colour's third component");
-    return glm::max(c, glm::vec3(0));
-}
 
-bool is_on(ObjText& text)
-{
-    return text.word() == "on";
-}
+ private:
+    void statement(std::string_view key, MtlMaterial& m)
+    {
+        if (key == "Ka")
+            color(m.ambient);
+        else if (key == "Kd")
+            color(m.diffuse);
+        else if (key == "Ks")
+            color(m.specular);
+        else if (key == "Ke")
+            color(m.emissive);
+        else if (key == "Tf")
+            color(m.filter);
+        else if (key == "Ns")
+            number(m.exponent);
+        else if (key == "Ni")
+            number(m.ior);
+        else if (key == "Pr")
+            number(m.roughness);
+        else if (key == "Pm")
+            number(m.metallic);
+        else if (key == "Tr")
+            number(m.transparency);
+        else if (key == "illum")
+            illum(m);
+        else if (key == "d")
+            dissolve(m);
+        else if (key == "map_Kd")
+            map(m.diffuse_map);
+        else if (key == "map_d")
+            map(m.dissolve_map);
+        else if (key == "map_Bump" || key == "map_bump" || key == "bump")
+            map(m.bump_map);
+        else if (key == "norm" || key == "map_Kn" || key == "map_norm")
+            map(m.normal_map);
+        else if (key == "map_Ke")
+            map(m.emissive_map);
+        else if (key == "map_Pr")
+            map(m.roughness_map);
+        else if (key == "map_Pm")
+            map(m.metallic_map);
+        else if (key == "map_Ka" || key == "map_aat" || key == "sharpness" || key == "Kt" || key == "aniso" ||
+                 key == "anisor" || key == "Pc" || key == "Pcr" || key == "Ps")
+            return;   // has no effect here
+        else
+            unknown(key);
+    }
 
-// Reads a texture map: options precede the name, which is the rest of the line.
-MtlMap map(ObjText& text)
-{
-    MtlMap result;
-    while (!text.at_end()) {
-        ObjText before = text;
-        const std::string_view word = text.word();
-        float ignored = 0;
-        if (word == "-s" || word == "-o" || word == "-t") {
-            glm::vec3 value(word == "-s" ? 1.0f : 0.0f);
-            value.x = text.number("a number");
-            if (text.try_number(value.y)) text.try_number(value.z);
-            if (word == "-s") result.scale = glm::vec2(value);
-            if (word == "-o") result.offset = glm::vec2(value);
-        } else if (word == "-clamp") {
-            result.clamp = is_on(text);
-        } else if (word == "-bm") {
-            result.bump = text.number("a number");
-        } else if (word == "-mm") {
-            result.range.x = text.number("a number");
-            result.range.y = text.number("a number");
-        } else if (word == "-imfchan") {
-            const std::string_view channel = text.word();
-            if (channel.size() == 1) result.channel = channel[0];
-        } else if (word == "-blendu" || word == "-blendv" || word == "-cc" || word == "-type") {
-            text.word();
-        } else if (word == "-boost" || word == "-texres") {
-            text.try_number(ignored);
-        } else {
-            text = before;
-            result.file = text.rest();
-            break;
+    // The statement has no value that can be read: it is ignored.
+    bool ignore(const char* expected)
+    {
+        if (strict_) {
+            const std::string_view word = text_.word();
+            text_.fail(word.empty() ? fmt::format("{} is missing", expected)
+                                    : fmt::format("expected {}, found '{}'", expected, shown(word)));
+        }
+        if (ignored_++ == 0) first_ignored_ = text_.line();
+        return false;
+    }
+
+    bool number(float& value)
+    {
+        float read = 0;
+        if (!text_.try_number(read)) return ignore("a number");
+        value = read;
+        return true;
+    }
+
+    void number(std::optional<float>& value)
+    {
+        if (float read = 0; number(read)) value = read;
+    }
+
+    // Reads a colour; one number is grey. Spectral curves and XYZ are not supported.
+    void color(std::optional<glm::vec3>& value)
+    {
+        glm::vec3 c(0);
+        ObjText ahead = text_;
+        if (const std::string_view word = ahead.word(); word == "spectral" || word == "xyz") {
+            spectral_ += 1;
+            return;
+        }
+        if (!text_.try_number(c.x)) return void(ignore("a colour"));
+        if (text_.at_end())
+            c = glm::vec3(c.x);
+        else if (!text_.try_number(c.y) || !text_.try_number(c.z))
+            return void(ignore("a colour's component"));
+        value = glm::max(c, glm::vec3(0));
+    }
+
+    void illum(MtlMaterial& m)
+    {
+        if (float value = 0; number(value)) m.illum = static_cast<int>(std::clamp(value, 0.0f, 99.0f));
+    }
+
+    void dissolve(MtlMaterial& m)
+    {
+        if (float value = 0; text_.try_number(value)) {
+            m.dissolve = value;
+            return;
+        }
+        ObjText ahead = text_;
+        if (ahead.word() == "-halo") text_.word();
+        number(m.dissolve);
+    }
+
+    // Reads a texture map: options precede the name, which is the rest of the line.
+    void map(MtlMap& result)
+    {
+        result = {};
+        while (!text_.at_end()) {
+            const ObjText before = text_;
+            const std::string_view word = text_.word();
+            float unused = 0;
+            if (word == "-s" || word == "-o" || word == "-t") {
+                glm::vec3 value(word == "-s" ? 1.0f : 0.0f);
+                number(value.x);
+                if (text_.try_number(value.y)) text_.try_number(value.z);
+                if (word == "-s") result.scale = glm::vec2(value);
+                if (word == "-o") result.offset = glm::vec2(value);
+            } else if (word == "-clamp") {
+                result.clamp = text_.word() == "on";
+            } else if (word == "-bm") {
+                number(result.bump);
+            } else if (word == "-mm") {
+                number(result.range.x);
+                number(result.range.y);
+            } else if (word == "-imfchan") {
+                const std::string_view channel = text_.word();
+                if (channel.size() == 1) result.channel = channel[0];
+            } else if (word == "-blendu" || word == "-blendv" || word == "-cc" || word == "-type") {
+                text_.word();
+            } else if (word == "-boost" || word == "-texres") {
+                text_.try_number(unused);
+            } else {
+                text_ = before;
+                result.file = text_.rest();
+                break;
+            }
         }
     }
-    return result;
-}
+
+    void unknown(std::string_view key)
+    {
+        if (unknown_.contains(key)) return;
+        if (unknown_.size() < k_most_named) {
+            names_ += fmt::format("{}'{}'", unknown_.empty() ? "" : ", ", shown(key));
+            unknown_.emplace(key);
+        } else {
+            more_ = true;
+        }
+    }
+
+    void warn(std::vector<std::string>& warnings) const
+    {
+        const std::string& file = text_.file();
+        if (before_first_ > 0)
+            warnings.push_back(fmt::format("{}: statements before the first newmtl are ignored", file));
+        if (!unknown_.empty())
+            warnings.push_back(fmt::format("{}: {}{} {} not supported and ignored", file, names_,
+                                           more_ ? " and further keywords" : "",
+                                           unknown_.size() == 1 && !more_ ? "is" : "are"));
+        if (spectral_ > 0) warnings.push_back(fmt::format("{}: spectral and XYZ colours are ignored", file));
+        if (ignored_ > 0)
+            warnings.push_back(fmt::format("{}, line {}: {} not a number: ignored", file, first_ignored_,
+                                           ignored_ == 1 ? "1 value is" : fmt::format("{} values are", ignored_)));
+        if (std::string commas = text_.comma_warning(); !commas.empty()) warnings.push_back(std::move(commas));
+    }
+
+    ObjText& text_;
+    bool strict_;
+    std::vector<MtlMaterial> materials_;
+    std::set<std::string, std::less<>> unknown_;   // those that are named
+    std::string names_;
+    bool more_ = false;
+    std::size_t before_first_ = 0, spectral_ = 0, ignored_ = 0;
+    std::uint32_t first_ignored_ = 0;   // line
+};
 
 }   // namespace
 
-std::vector<MtlMaterial> parse_mtl(ObjText& text, std::vector<std::string>& warnings)
+std::vector<MtlMaterial> parse_mtl(ObjText& text, bool strict, std::vector<std::string>& warnings)
 {
-    std::vector<MtlMaterial> materials;
-    std::set<std::string, std::less<>> unknown;
-    const auto warn = [&](const std::string& what) {
-        warnings.push_back(fmt::format("{}, line {}: {}", text.file(), text.line(), what));
-    };
-    for (std::string_view key = text.next_statement(); !key.empty(); key = text.next_statement()) {
-        if (key == "newmtl") {
-            materials.emplace_back();
-            materials.back().name = text.rest();
-            continue;
-        }
-        if (materials.empty()) {
-            if (unknown.emplace("newmtl").second) warn("statements before the first newmtl are ignored");
-            continue;
-        }
-        MtlMaterial& m = materials.back();
-        bool unsupported = false;
-        if (key == "Ka")
-            m.ambient = color(text, unsupported);
-        else if (key == "Kd")
-            m.diffuse = color(text, unsupported);
-        else if (key == "Ks")
-            m.specular = color(text, unsupported);
-        else if (key == "Ke")
-            m.emissive = color(text, unsupported);
-        else if (key == "Tf")
-            m.filter = color(text, unsupported);
-        else if (key == "Ns")
-            m.exponent = text.number("a number");
-        else if (key == "Ni")
-            m.ior = text.number("a number");
-        else if (key == "Pr")
-            m.roughness = text.number("a number");
-        else if (key == "Pm")
-            m.metallic = text.number("a number");
-        else if (key == "Tr")
-            m.transparency = text.number("a number");
-        else if (key == "illum")
-            m.illum = static_cast<int>(std::clamp(text.number("a number"), 0.0f, 99.0f));
-        else if (key == "d") {
-            float value = 0;
-            if (!text.try_number(value)) {   // -halo
-                text.word();
-                value = text.number("a number");
-            }
-            m.dissolve = value;
-        } else if (key == "map_Kd")
-            m.diffuse_map = map(text);
-        else if (key == "map_d")
-            m.dissolve_map = map(text);
-        else if (key == "map_Bump" || key == "map_bump" || key == "bump")
-            m.bump_map = map(text);
-        else if (key == "norm" || key == "map_Kn" || key == "map_norm")
-            m.normal_map = map(text);
-        else if (key == "map_Ke")
-            m.emissive_map = map(text);
-        else if (key == "map_Pr")
-            m.roughness_map = map(text);
-        else if (key == "map_Pm")
-            m.metallic_map = map(text);
-        else if (key == "map_Ka" || key == "map_aat" || key == "sharpness" || key == "Kt" || key == "aniso" ||
-                 key == "anisor" || key == "Pc" || key == "Pcr" || key == "Ps")
-            continue;   // has no effect here
-        else if (unknown.size() < k_most_unknown_keywords && unknown.emplace(key).second)
-            warn(fmt::format("'{}' is not supported and ignored", shown(key)));
-        if (unsupported && unknown.emplace("spectral").second) warn("spectral and XYZ colours are ignored");
-    }
-    return materials;
+    return Parser(text, strict).run(warnings);
 }
 
 scene::Material material_from_mtl(const MtlMaterial& mtl, std::vector<std::string>& warnings)

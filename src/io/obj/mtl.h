@@ -30,8 +30,10 @@ struct MtlMaterial {
     MtlMap diffuse_map, dissolve_map, bump_map, normal_map, emissive_map, roughness_map, metallic_map;
 };
 
-/// @throws InputError  a number is expected and not found; unsupported statements are ignored with a warning
-std::vector<MtlMaterial> parse_mtl(ObjText& text, std::vector<std::string>& warnings);
+/// Statements that are not supported are ignored with one warning, and so are those whose value is no number.
+/// @param strict  refuses the latter
+/// @throws InputError  of `strict`
+std::vector<MtlMaterial> parse_mtl(ObjText& text, bool strict, std::vector<std::string>& warnings);
 
 /// Converts everything except the textures.
 ///

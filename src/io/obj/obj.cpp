@@ -57,7 +57,7 @@ std::vector<std::string> library_names(const std::string& line, const SceneFolde
     return names;
 }
 
-std::vector<MtlMaterial> read_libraries(const ObjData& data, const SceneFolder& folder,
+std::vector<MtlMaterial> read_libraries(const ObjData& data, const SceneFolder& folder, bool strict,
                                         std::vector<std::string>& warnings)
 {
     std::vector<MtlMaterial> materials;
@@ -79,8 +79,8 @@ std::vector<MtlMaterial> read_libraries(const ObjData& data, const SceneFolder& 
             if (!problem.empty()) warnings.push_back(fmt::format("material file '{}' {}", shown(name), problem));
             if (!read.insert(*path).second) continue;
             const auto bytes = read_whole_file(*path, name, k_largest_mtl);
-            ObjText text(name, text_of(bytes));
-            for (MtlMaterial& material : parse_mtl(text, warnings)) materials.push_back(std::move(material));
+            ObjText text(name, text_of(bytes), !strict);
+            for (MtlMaterial& material : parse_mtl(text, strict, warnings)) materials.push_back(std::move(material));
         }
     }
     return materials;
@@ -101,12 +101,12 @@ scene::Scene load_obj(const std::filesystem::path& file, const Progress& progres
     ObjData data;
     {
         const auto bytes = read_whole_file(file, file.string(), k_largest_obj);
-        ObjText text(file.string(), text_of(bytes));
+        ObjText text(file.string(), text_of(bytes), !options.strict);
         data = parse_obj(text, options.strict, scene.warnings);
     }
 
     // Create a material for every name that is used. If two have the same name, the first is used.
-    const std::vector<MtlMaterial> library = read_libraries(data, folder, scene.warnings);
+    const std::vector<MtlMaterial> library = read_libraries(data, folder, options.strict, scene.warnings);
     std::unordered_map<std::string, std::size_t> by_name;
     for (std::size_t i = 0; i < library.size(); ++i) by_name.try_emplace(library[i].name, i);
     std::vector<char> used(data.materials.size(), 0);

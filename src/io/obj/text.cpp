@@ -14,28 +14,40 @@ namespace gnomon::io {
 
 namespace {
 
-enum class Parsed : std::uint8_t { number, malformed, too_large };
-
-Parsed parse(std::string_view word, float& value)
+// The number that a word is.
+// @return an empty error code, invalid_argument or result_out_of_range
+std::errc parse_number(std::string_view word, float& value)
 {
     if (word.starts_with('+')) {
         word.remove_prefix(1);
-        if (word.starts_with('-')) return Parsed::malformed;
+        if (word.starts_with('-')) return std::errc::invalid_argument;
     }
     double wide = 0;
     const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), wide);
-    if (error == std::errc::invalid_argument || stop != word.data() + word.size()) return Parsed::malformed;
+    if (error == std::errc::invalid_argument || stop != word.data() + word.size()) return std::errc::invalid_argument;
     if (error == std::errc::result_out_of_range) {
         // A number too small for a double is zero; one too large is an error. The latter has no negative exponent.
         const std::size_t exponent = word.find_first_of("eE");
         const bool tiny = exponent != std::string_view::npos && word.substr(exponent + 1).starts_with('-');
-        if (!tiny) return Parsed::too_large;
+        if (!tiny) return error;
         wide = 0;
     }
-    if (!std::isfinite(wide)) return Parsed::malformed;
-    if (std::abs(wide) > static_cast<double>(std::numeric_limits<float>::max())) return Parsed::too_large;
+    if (!std::isfinite(wide)) return std::errc::invalid_argument;
+    if (std::abs(wide) > static_cast<double>(std::numeric_limits<float>::max())) return std::errc::result_out_of_range;
     value = static_cast<float>(wide);
-    return Parsed::number;
+    return {};
+}
+
+// A word with one comma as a number with a point; empty where it has none, or has a point.
+std::string with_point(std::string_view word)
+{
+    const std::size_t comma = word.find(',');
+    if (comma == std::string_view::npos || word.find_first_of(",.", comma + 1) != std::string_view::npos ||
+        word.substr(0, comma).find('.') != std::string_view::npos)
+        return {};
+    std::string result(word);
+    result[comma] = '.';
+    return result;
 }
 
 }   // namespace
@@ -50,9 +62,15 @@ std::string shown(std::string_view text)
     return result;
 }
 
-ObjText::ObjText(std::string file, std::string_view text)
-    : file_(std::move(file)), begin_(text.data()), end_(text.data() + text.size()), at_(begin_), line_begin_(begin_)
+ObjText::ObjText(std::string file, std::string_view text, bool decimal_commas)
+    : file_(std::move(file)),
+      begin_(text.data()),
+      end_(text.data() + text.size()),
+      at_(begin_),
+      line_begin_(begin_),
+      decimal_commas_(decimal_commas)
 {
+    if (text.find('\n') == std::string_view::npos) line_end_ = '\r';
     if (text.starts_with("\xef\xbb\xbf")) at_ = line_begin_ = begin_ + 3;   // a byte order mark
     if (const std::size_t zero = text.find('\0'); zero != std::string_view::npos)
         throw InputError(file_, fmt::format("byte {}", zero), "contains a zero byte: not a text file");
@@ -61,14 +79,14 @@ ObjText::ObjText(std::string file, std::string_view text)
 std::size_t ObjText::continuation(const char* p) const
 {
     if (p == end_ || *p != '\\') return 0;
-    if (end_ - p >= 2 && p[1] == '\n') return 2;
+    if (end_ - p >= 2 && p[1] == line_end_) return 2;
     if (end_ - p >= 3 && p[1] == '\r' && p[2] == '\n') return 3;
     return 0;
 }
 
 bool ObjText::ends_line(const char* p) const
 {
-    return p == end_ || *p == '\n';
+    return p == end_ || *p == line_end_;
 }
 
 void ObjText::skip_blanks()
@@ -100,7 +118,7 @@ std::string_view ObjText::next_statement()
     while (true) {
         skip_blanks();
         if (at_ == end_) return {};
-        if (*at_ == '\n') {
+        if (*at_ == line_end_) {
             ++at_, ++line_;
             line_begin_ = at_;
             continue;
@@ -136,12 +154,33 @@ std::string ObjText::rest()
         skip_blanks();
         if (ends_line(at_)) break;
         const std::string_view between(blank, static_cast<std::size_t>(at_ - blank));
-        result += between.find('\n') == std::string_view::npos ? between : std::string_view(" ");
+        result += between.find(line_end_) == std::string_view::npos ? between : std::string_view(" ");
         const char* const start = at_;
         while (!ends_line(at_) && !is_blank(*at_) && !continuation(at_)) ++at_;
         first = {start, static_cast<std::size_t>(at_ - start)};
     }
     return result;
+}
+
+ObjText::Parsed ObjText::parse(std::string_view word, float& value)
+{
+    std::errc error = parse_number(word, value);
+    if (error == std::errc::invalid_argument && decimal_commas_) {
+        const std::string repaired = with_point(word);
+        if (!repaired.empty()) {
+            error = parse_number(repaired, value);
+            comma_count_ += error == std::errc();
+        }
+    }
+    if (error == std::errc()) return Parsed::number;
+    return error == std::errc::invalid_argument ? Parsed::malformed : Parsed::too_large;
+}
+
+std::string ObjText::comma_warning() const
+{
+    if (comma_count_ == 0) return {};
+    return fmt::format("{}: {} a decimal comma: read as a point", file_,
+                       comma_count_ == 1 ? "1 number has" : fmt::format("{} numbers have", comma_count_));
 }
 
 float ObjText::number(const char* what)

@@ -2,8 +2,9 @@
 #pragma once
 // Splits OBJ and MTL text into words and numbers, and tracks the place of each for messages.
 //
-// Lines end in LF or CR LF; a backslash before the end continues a line; `#` starts a comment where a statement or a
-// number may start. Only names are copied. Every step advances, so time is linear in the size of the file.
+// Lines end in LF or CR LF, or in CR where the text has no LF; a backslash before the end continues a line; `#` starts
+// a comment where a statement or a number may start. Only names are copied. Every step advances, so time is linear in
+// the size of the file.
 
 #include <cstdint>
 #include <string>
@@ -15,7 +16,8 @@ class ObjText {
  public:
     /// @param file  for messages
     /// @param text  must outlive this object; a zero byte in it is an error
-    ObjText(std::string file, std::string_view text);
+    /// @param decimal_commas  whether "0,5" is read as 0.5 and counted: some programs write so where people do
+    ObjText(std::string file, std::string_view text, bool decimal_commas = false);
 
     /// Moves to the next statement and returns its keyword; empty at the end of the text.
     std::string_view next_statement();
@@ -43,6 +45,10 @@ class ObjText {
     const std::string& file() const { return file_; }
     /// Progress through the text, 0 to 1.
     double done() const;
+    /// How many numbers had a decimal comma.
+    std::size_t comma_count() const { return comma_count_; }
+    /// A warning about them; empty where there were none.
+    std::string comma_warning() const;
     [[noreturn]] void fail(const std::string& what) const;
 
  private:
@@ -50,7 +56,12 @@ class ObjText {
     bool ends_line(const char* p) const;   // at the end of a line or of the text
     // The length of a backslash and the line end behind it, or 0.
     std::size_t continuation(const char* p) const;
-    static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+    bool is_blank(char c) const
+    {
+        return c == ' ' || c == '\t' || (c == '\r' && line_end_ != '\r') || c == '\v' || c == '\f';
+    }
+    enum class Parsed : std::uint8_t { number, malformed, too_large };
+    Parsed parse(std::string_view word, float& value);
 
     std::string file_;
     const char* begin_;
@@ -59,6 +70,9 @@ class ObjText {
     const char* line_begin_;
     std::uint32_t line_ = 1, word_line_ = 1;
     std::size_t word_column_ = 1;
+    std::size_t comma_count_ = 0;
+    char line_end_ = '\n';
+    bool decimal_commas_;
     bool impl_ = false;   // a statement
 };
 

@@ -77,7 +77,9 @@ class Reader {
     std::vector<std::string_view> line()
     {
         ++line_;
-        const std::size_t end = text_.find('\n', at_);
+        // The first line tells how lines end: files of old programs have CR alone.
+        if (line_ == 1) line_end_ = text_.substr(0, 4) == "ply\r" && text_.substr(4, 1) != "\n" ? '\r' : '\n';
+        const std::size_t end = text_.find(line_end_, at_);
         if (end == std::string_view::npos) fail("the header does not end");
         const std::string_view found = text_.substr(at_, end - at_);
         at_ = end + 1;
@@ -131,6 +133,7 @@ class Reader {
     std::string file_;
     std::size_t at_ = 0;
     std::uint32_t line_ = 0;
+    char line_end_ = '\n';
     PlyHeader header_;
 };
 

@@ -26,8 +26,8 @@ constexpr std::uint64_t k_elements_a_step = 1 << 14;
 
 class Reader {
  public:
-    Reader(std::span<const std::uint8_t> bytes, std::string file)
-        : file_(std::move(file)), header_(read_ply_header(bytes, file_)), body_(bytes, header_, file_)
+    Reader(std::span<const std::uint8_t> bytes, std::string file, bool strict)
+        : file_(std::move(file)), strict_(strict), header_(read_ply_header(bytes, file_)), body_(bytes, header_, file_)
     {
     }
 
@@ -55,13 +55,26 @@ class Reader {
                                          data_.positions.size()));
         check_indices();
         color_the_rest();
-        if (skipped_ > 0)
-            warnings.push_back(fmt::format("{} {} fewer than three corners: left out", skipped_,
-                                           skipped_ == 1 ? "face has" : "faces have"));
+        warn(warnings);
         return std::move(data_);
     }
 
  private:
+    void warn(std::vector<std::string>& warnings) const
+    {
+        if (skipped_ > 0)
+            warnings.push_back(fmt::format("{} {} fewer than three corners: left out", skipped_,
+                                           skipped_ == 1 ? "face has" : "faces have"));
+        if (not_finite_normals_ > 0)
+            warnings.push_back(fmt::format("{} {} not finite: computed from faces", not_finite_normals_,
+                                           not_finite_normals_ == 1 ? "normal is" : "normals are"));
+        if (not_finite_values_ > 0)
+            warnings.push_back(
+                fmt::format("{} of texture coordinates and colours {} not finite: set to 0",
+                            not_finite_values_ == 1 ? "1 value" : fmt::format("{} values", not_finite_values_),
+                            not_finite_values_ == 1 ? "is" : "are"));
+    }
+
     template <class Each>
     void for_each(const PlyElement& element, Each each)
     {
@@ -78,7 +91,7 @@ class Reader {
     float color_part(const PlyProperty& p, double value)
     {
         if (ply_is_integer(p.type)) value /= p.type == PlyType::u8 || p.type == PlyType::i8 ? 255 : 65535;
-        return std::min(std::max(finite(value), 0.0f), 1.0f);
+        return std::min(std::max(repaired(value), 0.0f), 1.0f);
     }
 
     static glm::vec4 linear(const std::array<float, 4>& srgb)
@@ -91,6 +104,23 @@ class Reader {
         const auto single = static_cast<float>(value);
         if (!std::isfinite(single)) body_.fail(fmt::format("{} is not a finite number", value));
         return single;
+    }
+
+    // A value that is safe to repair: 0 if it is not finite.
+    float repaired(double value)
+    {
+        if (strict_ || std::isfinite(static_cast<float>(value))) return finite(value);
+        ++not_finite_values_;
+        return 0;
+    }
+
+    // A normal of zero is computed from the faces.
+    glm::vec3 normal(const glm::vec3& n)
+    {
+        if (std::isfinite(n.x) && std::isfinite(n.y) && std::isfinite(n.z)) return n;
+        if (strict_) body_.fail("the normal is not finite");
+        ++not_finite_normals_;
+        return glm::vec3(0);
     }
 
     static int find_first(const PlyElement& element, std::initializer_list<const char*> names)
@@ -149,12 +179,18 @@ class Reader {
                     continue;
                 }
                 const double value = body_.value(p.type);
-                v[static_cast<std::size_t>(part)] = part >= red && part <= alpha ? color_part(p, value) : finite(value);
+                float& single = v[static_cast<std::size_t>(part)];
+                if (part <= z)
+                    single = finite(value);
+                else if (part <= nz)
+                    single = static_cast<float>(value);
+                else
+                    single = part <= alpha ? color_part(p, value) : repaired(value);
                 if (part <= z && std::abs(v[static_cast<std::size_t>(part)]) > k_largest_coordinate)
                     body_.fail(fmt::format("{} is too large for a coordinate", value));
             }
             data_.positions.emplace_back(v[x], v[y], v[z]);
-            if (has_normals_) data_.normals.emplace_back(v[nx], v[ny], v[nz]);
+            if (has_normals_) data_.normals.push_back(normal({v[nx], v[ny], v[nz]}));
             if (has_texcoords_) data_.texcoords.emplace_back(v[s], v[t]);
             if (colors) data_.colors.push_back(linear({v[red], v[green], v[blue], v[alpha]}));
         });
@@ -270,6 +306,7 @@ class Reader {
     }
 
     std::string file_;
+    bool strict_;
     PlyHeader header_;
     PlyBody body_;
     ObjData data_;
@@ -277,12 +314,12 @@ class Reader {
     std::array<float, 4> color_{};   // of the face that was read last
     bool has_face_colors_ = false;
     bool has_normals_ = false, has_texcoords_ = false;
-    std::uint64_t skipped_ = 0;
+    std::uint64_t skipped_ = 0, not_finite_normals_ = 0, not_finite_values_ = 0;
 };
 
 }   // namespace
 
-scene::Scene load_ply(const std::filesystem::path& file, const Progress& progress)
+scene::Scene load_ply(const std::filesystem::path& file, const Progress& progress, const ReadOptions& options)
 {
     Interruption interruption(progress);
     const InterruptionScope scope(progress ? &interruption : Interruption::current());
@@ -292,7 +329,7 @@ scene::Scene load_ply(const std::filesystem::path& file, const Progress& progres
     ObjData data;
     {
         const std::vector<std::uint8_t> bytes = read_whole_file(file, file.string(), k_largest_ply);
-        data = Reader(bytes, file.string()).read(scene.warnings);
+        data = Reader(bytes, file.string(), options.strict).read(scene.warnings);
     }
     scene::Material material;
     material.name = "default";

@@ -26,6 +26,7 @@ constexpr std::uint64_t k_largest_stl = 4ull << 30;
 constexpr std::size_t k_header = 84, k_facet = 50;   // bytes; the header ends with the number of facets
 constexpr float k_grey = 0.6f;
 constexpr std::uint32_t k_most_facets = k_no_index / 3;
+constexpr std::size_t k_most_lines = 1000;   // that are ignored before the first facet
 constexpr std::uint32_t k_facets_a_step = 1 << 14;
 
 std::uint32_t u32_at(const std::uint8_t* p)
@@ -40,34 +41,60 @@ struct Facets {
     std::vector<std::string> names;
 };
 
-Facets read_binary(std::span<const std::uint8_t> bytes, const std::string& file, std::uint64_t count)
+// What was repaired or left out.
+struct Repairs {
+    bool allowed = true;
+    std::size_t not_finite = 0;   // facets
+    std::size_t lines = 0;        // between facets
+    std::uint32_t first_line = 0;
+
+    void warn(std::vector<std::string>& warnings) const
+    {
+        if (not_finite > 0)
+            warnings.push_back(
+                fmt::format("{} corners that are not finite: left out",
+                            not_finite == 1 ? "1 facet has" : fmt::format("{} facets have", not_finite)));
+        if (lines > 0)
+            warnings.push_back(fmt::format("line {}: {} neither a facet nor the end of a solid: ignored", first_line,
+                                           lines == 1 ? "1 line is" : fmt::format("{} lines are", lines)));
+    }
+};
+
+Facets read_binary(std::span<const std::uint8_t> bytes, const std::string& file, std::uint64_t count, Repairs& repairs)
 {
     Facets facets;
     facets.names.emplace_back();
     if (count > k_most_facets) throw InputError(file, "byte 80", fmt::format("{} facets are too many", count));
     facets.corners.reserve(3 * count);
-    facets.object.resize(count);
     for (std::size_t f = 0; f < count; ++f) {
         if (f % k_facets_a_step == 0) interruption_point();
         const std::size_t begin = k_header + k_facet * f;
         const std::uint8_t* at = bytes.data() + begin + 12;   // behind the normal
-        for (int corner = 0; corner < 3; ++corner) {
-            glm::vec3 p;
+        glm::vec3 p[3];
+        bool finite = true;
+        for (glm::vec3& corner : p) {
             for (int k = 0; k < 3; ++k, at += 4) {
-                p[k] = std::bit_cast<float>(u32_at(at));
-                if (!(std::abs(p[k]) <= k_largest_coordinate))
+                corner[k] = std::bit_cast<float>(u32_at(at));
+                if (repairs.allowed && !std::isfinite(corner[k]))
+                    finite = false;
+                else if (!(std::abs(corner[k]) <= k_largest_coordinate))
                     throw InputError(file, fmt::format("byte {}", at - bytes.data()),
-                                     fmt::format("{} is not a coordinate", p[k]));
+                                     fmt::format("{} is not a coordinate", corner[k]));
             }
-            facets.corners.push_back(p);
         }
+        if (!finite) {
+            ++repairs.not_finite;
+            continue;
+        }
+        facets.corners.insert(facets.corners.end(), std::begin(p), std::end(p));
+        facets.object.push_back(0);
     }
     return facets;
 }
 
 class TextReader {
  public:
-    explicit TextReader(ObjText& text) : text_(text) {}
+    TextReader(ObjText& text, Repairs& repairs) : text_(text), repairs_(repairs) {}
 
     Facets read()
     {
@@ -78,7 +105,7 @@ class TextReader {
             else if (keyword == "facet")
                 facet();
             else if (keyword != "endsolid")
-                text_.fail(fmt::format("expected a facet, found '{}'", shown(keyword)));
+                ignore();
         }
         if (facets_.names.empty()) facets_.names.emplace_back();
         return std::move(facets_);
@@ -92,6 +119,13 @@ class TextReader {
                        [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
         return keyword_;
     }
+    // Some programs write comments between facets. A file of nothing else is none.
+    void ignore()
+    {
+        if (!repairs_.allowed || (facets_.object.empty() && repairs_.lines == k_most_lines))
+            text_.fail(fmt::format("expected a facet, found '{}'", shown(keyword_)));
+        if (repairs_.lines++ == 0) repairs_.first_line = text_.line();
+    }
     void expect(const char* keyword)
     {
         if (next() != keyword) text_.fail(fmt::format("expected '{}', found '{}'", keyword, shown(keyword_)));
@@ -102,21 +136,31 @@ class TextReader {
         if (facets_.names.empty()) facets_.names.emplace_back();
         if (facets_.object.size() == k_most_facets) text_.fail("too many facets");
         expect("outer");   // loop
-        for (int corner = 0; corner < 3; ++corner) {
+        glm::vec3 p[3];
+        bool finite = true;
+        for (glm::vec3& corner : p) {
             expect("vertex");
-            glm::vec3 p;
             for (int k = 0; k < 3; ++k) {
-                p[k] = text_.number("a coordinate");
-                if (std::abs(p[k]) > k_largest_coordinate) text_.fail("coordinate is out of range");
+                if (repairs_.allowed && text_.skip_not_finite()) {
+                    finite = false;
+                    continue;
+                }
+                corner[k] = text_.number("a coordinate");
+                if (std::abs(corner[k]) > k_largest_coordinate) text_.fail("coordinate is out of range");
             }
-            facets_.corners.push_back(p);
         }
         expect("endloop");
         expect("endfacet");
+        if (!finite) {
+            ++repairs_.not_finite;
+            return;
+        }
+        facets_.corners.insert(facets_.corners.end(), std::begin(p), std::end(p));
         facets_.object.push_back(static_cast<std::uint32_t>(facets_.names.size() - 1));
     }
 
     ObjText& text_;
+    Repairs& repairs_;
     std::string keyword_;
     Facets facets_;
 };
@@ -146,7 +190,8 @@ ObjData shared_corners(Facets facets)
     return data;
 }
 
-Facets read_facets(std::span<const std::uint8_t> bytes, const std::string& file, std::vector<std::string>& warnings)
+Facets read_facets(std::span<const std::uint8_t> bytes, const std::string& file, Repairs& repairs,
+                   std::vector<std::string>& warnings)
 {
     // Binary files may begin with "solid", too: the length decides.
     const bool has_header = bytes.size() >= k_header;
@@ -159,10 +204,12 @@ Facets read_facets(std::span<const std::uint8_t> bytes, const std::string& file,
     std::transform(word.begin(), word.end(), word.begin(),
                    [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
     const std::uint32_t declared = has_header ? u32_at(bytes.data() + k_header - 4) : 0;
-    if (has_header && claimed == bytes.size()) return read_binary(bytes, file, declared);
+    if (has_header && claimed == bytes.size()) return read_binary(bytes, file, declared, repairs);
     if (word == "solid") {
-        ObjText source(file, text);
-        return TextReader(source).read();
+        ObjText source(file, text, repairs.allowed);
+        Facets facets = TextReader(source, repairs).read();
+        if (std::string commas = source.comma_warning(); !commas.empty()) warnings.push_back(std::move(commas));
+        return facets;
     }
     if (!has_header) throw InputError(file, "byte 0", "is neither text that begins with 'solid' nor a binary STL");
     // Programs that write while they compute do not know the number of facets, and leave 0 or the largest one.
@@ -171,19 +218,19 @@ Facets read_facets(std::span<const std::uint8_t> bytes, const std::string& file,
         (bytes.size() - k_header) % k_facet == 0) {
         warnings.push_back(fmt::format("declares {} facets: {} are read, as many as the file holds", declared,
                                        (bytes.size() - k_header) / k_facet));
-        return read_binary(bytes, file, (bytes.size() - k_header) / k_facet);
+        return read_binary(bytes, file, (bytes.size() - k_header) / k_facet, repairs);
     }
     if (claimed > bytes.size())
         throw InputError(
             file, "byte 80",
             fmt::format("declares {} facets in {} bytes, but the file has {}", declared, claimed, bytes.size()));
     warnings.push_back(fmt::format("{} bytes behind the last facet are ignored", bytes.size() - claimed));
-    return read_binary(bytes, file, declared);
+    return read_binary(bytes, file, declared, repairs);
 }
 
 }   // namespace
 
-scene::Scene load_stl(const std::filesystem::path& file, const Progress& progress)
+scene::Scene load_stl(const std::filesystem::path& file, const Progress& progress, const ReadOptions& options)
 {
     Interruption interruption(progress);
     const InterruptionScope scope(progress ? &interruption : Interruption::current());
@@ -193,7 +240,9 @@ scene::Scene load_stl(const std::filesystem::path& file, const Progress& progres
     ObjData data;
     {
         const std::vector<std::uint8_t> bytes = read_whole_file(file, file.string(), k_largest_stl);
-        data = shared_corners(read_facets(bytes, file.string(), scene.warnings));
+        Repairs repairs{.allowed = !options.strict};
+        data = shared_corners(read_facets(bytes, file.string(), repairs, scene.warnings));
+        repairs.warn(scene.warnings);
     }
     scene::Material material;
     material.name = "default";
