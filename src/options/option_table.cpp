@@ -396,7 +396,7 @@ constexpr Option k_options[] = {
      .subcommands = k_every & ~bit(view), .group = k_common,
      .help = "stop after so much time, as an interruption does: exit code 130"},
     {.name = "strict", .subcommands = k_scened | bit(info), .group = k_common,
-     .help = "refuse a glTF file with any error, instead of repairing harmless ones with a warning"},
+     .help = "refuse a file with any error, instead of repairing harmless ones with a warning"},
     {.name = "quiet", .subcommands = k_every, .group = k_common, .help = "print only errors"},
     {.name = "verbose", .letter = 'v', .subcommands = k_every, .group = k_common, .help = "print more details"},
     {.name = "help", .letter = 'h', .subcommands = k_every, .group = k_common, .help = "show this help"},

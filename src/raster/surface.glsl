@@ -257,6 +257,10 @@ Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float
         const float away = dot(s.normal, s.to_viewer);
         const vec3 bent = away < 0 ? unit_or(s.normal - (away - 1e-3) * s.to_viewer, s.geometric_normal) : s.normal;
         if (dot(bent, s.geometric_normal) > 0.25) s.smooth_normal = bent;
+        // As in ray/smooth_surface.cpp, at most half of the triangle's shortest altitude.
+        const float longest = max(max(distance(t.p[0], t.p[1]), distance(t.p[1], t.p[2])), distance(t.p[2], t.p[0]));
+        const float height = length(lift), most = longest > 0 ? 0.5 * double_area / longest : 0;
+        if (height > most) lift *= most / height;
         s.smooth_height = dot(lift, s.smooth_normal);
     }
 

@@ -2,8 +2,25 @@
 #include "ray/smooth_surface.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace gnomon::ray {
+
+namespace {
+
+// DEVIATION(Hanika 2021, 6.3): a point rises by at most this part of the triangle's shortest altitude. On a sphere it
+// rises less as long as a triangle spans less than 90 degrees. But the planes of the vertices of a slender triangle may
+// meet anywhere, beyond what stands before it.
+constexpr float k_highest = 0.5f;
+
+float shortest_altitude(const glm::vec3 (&p)[3])
+{
+    const glm::vec3 a = p[1] - p[0], b = p[2] - p[0], c = p[2] - p[1];
+    const float longest = std::sqrt(std::max({glm::dot(a, a), glm::dot(b, b), glm::dot(c, c)}));
+    return longest > 0 ? glm::length(glm::cross(a, b)) / longest : 0.0f;
+}
+
+}   // namespace
 
 glm::vec3 smooth_lift(const ObjectGeometry& geometry, std::uint32_t triangle, float u, float v, const glm::vec3& normal)
 {
@@ -24,7 +41,8 @@ glm::vec3 smooth_lift(const ObjectGeometry& geometry, std::uint32_t triangle, fl
         const bool same_side = glm::dot(n, normal) > 0;
         if (same_side ? above > 0 : above < 0) lift += weight[i] * (above / square) * n;
     }
-    return lift;
+    const float height = glm::length(lift), most = k_highest * shortest_altitude(p);
+    return height > most ? lift * (most / height) : lift;
 }
 
 }   // namespace gnomon::ray

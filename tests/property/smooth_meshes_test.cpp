@@ -238,6 +238,52 @@ TEST(SmoothMeshes, ClosedRoomsOfFewTrianglesStayDark)
     for (const float value : frame.layers.front().values()) ASSERT_LT(value, 1e-6f);
 }
 
+// The planes of the vertices of long triangles may meet far away, beyond what lights them.
+TEST(SmoothMeshes, LongTrianglesAreLitByWhatStandsBeforeThem)
+{
+    constexpr std::uint32_t k_strips = 20;
+    std::vector<Vec3> positions, normals;
+    std::vector<std::uint32_t> indices;
+    for (std::uint32_t i = 0; i <= k_strips; ++i)
+        for (const float x : {-10.0f, 10.0f}) {
+            positions.push_back({x, 0.5f, 0.1f * static_cast<float>(i) - 1});
+            normals.push_back({x > 0 ? 0.70711f : -0.70711f, -0.70711f, 0});
+        }
+    for (std::uint32_t i = 0; i < k_strips; ++i)
+        indices.insert(indices.end(), {2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 1, 2 * i + 3, 2 * i + 2});
+    Mesh mesh;
+    mesh.positions = positions, mesh.normals = normals, mesh.indices = indices;
+    SceneBuilder builder;
+    const MaterialId white =
+        builder.material({.base_color = {0.8f, 0.8f, 0.8f}, .double_sided = true, .roughness = 1, .ior = 1});
+    builder.instance(builder.mesh(mesh), white);
+    builder.instance(builder.mesh(test::square(20).mesh()), white, Transform::look_at({0, 0, 0}, {0, 1, 0.001f}));
+    builder.light({.type = LightType::directional, .color = {3, 3, 3}}, Transform::look_at({0, 2, 3}, {0, 0, 0}));
+    Camera camera;
+    camera.transform = Transform::look_at({0, 0.1f, 2}, {0, 0.5f, 0});
+    camera.vertical_fov = 0.5;
+    builder.camera(camera);
+    const Scene scene = builder.finish();
+    RenderOptions o = options();
+    o.size = {40, 40};
+    o.indirect = Indirect::visible;
+    o.bounces = 1;
+    const auto mean_of_strips = [&](const Frame& frame) {
+        double sum = 0;
+        int count = 0;
+        const Layer& facing = *frame.layer("normal");
+        for (int y = 0; y < 40; ++y)
+            for (int x = 0; x < 40; ++x)
+                if (facing.value(x, y, 1) < -0.5f)
+                    sum += static_cast<double>(frame.layer("indirect")->value(x, y)), ++count;
+        EXPECT_GT(count, 300);
+        return sum / count;
+    };
+    const double light = mean_of_strips(Renderer(o).render(scene, 1));
+    o.reference = ReferenceLightOptions{.spp = 256, .bounces = 1};
+    EXPECT_NEAR(light / mean_of_strips(Renderer(o).render(scene, 1)), 1, 0.05);
+}
+
 // The path-traced reference has the same horizon, so that both tell the same.
 TEST(SmoothMeshes, AgreeWithTheReference)
 {
