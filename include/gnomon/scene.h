@@ -151,7 +151,7 @@ class Scene {
 struct LoadOptions {
     Progress progress;   // optional
     int threads = 0;     // 0: all
-    /// Refuses a glTF file with any error. Otherwise harmless errors are repaired, with one warning for each cause.
+    /// Refuses a file with any error. Otherwise harmless errors are repaired, with one warning for each cause.
     bool strict = false;
     /// The animation of a glTF file that plays, by name or by number from 0; "all": all of them. Empty: the first, and
     /// each further one that animates nothing that one before it animates already.

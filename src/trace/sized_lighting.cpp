@@ -14,6 +14,9 @@ namespace {
 constexpr float k_sharp_roughness = 0.05f;     // up to here, reflected rays show lights
 constexpr float k_blurred_roughness = 0.15f;   // from here on, lobes do
 
+// Light of many polygons is summed over places from nearer by where several rays show the mean of what they meet.
+constexpr float k_far_of_divided = 1.5f;   // radii
+
 constexpr std::size_t k_simple_places = 16;
 constexpr float k_simple_distance = 3;       // of a light's middle, in radii, from which on places sum it up
 constexpr float k_simple_roughness = 0.4f;   // of the surface, likewise
@@ -134,8 +137,12 @@ void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
                         few_.count(l, point, luminance(reflected(batch, p, arrives)), image[p], batch.share_of(point));
             }
             if (few == 0 || few > k_simple_places) {
-                arrives = {shading::unshadowed(s, light, lobe ? &*lobes_[p] : nullptr)};
-                if (coat) arrives.coat = shading::unshadowed(shading::coat_surface(s), light, &*coat_lobes_[p]).lobe;
+                const bool divided = point.parts > 1 || point.lobe.rays > 1;
+                shading::PolygonLightOptions options;
+                if (divided) options.far = k_far_of_divided;
+                arrives = {shading::unshadowed(s, light, lobe ? &*lobes_[p] : nullptr, options)};
+                if (coat)
+                    arrives.coat = shading::unshadowed(shading::coat_surface(s), light, &*coat_lobes_[p], options).lobe;
                 if (!arrives.any()) continue;
                 few = image.empty() ? 0
                                     : few_.count(l, point, luminance(reflected(batch, p, arrives)), image[p],

@@ -689,14 +689,15 @@ void TileTracer::queue_lobe(const TilePoint& point, std::uint32_t first, const g
     }
 }
 
-// Queues the lobe of a point seen in a mirror, through glass, or by a ray of another lobe. A path is divided once.
+// Queues the lobe of a point seen in a mirror, through glass, or by a ray of another lobe. A path is divided once, by a
+// lobe or by a rough surface that lets it through.
 void TileTracer::queue_nested_lobe(const TilePoint& point)
 {
     const glm::ivec2 at = pixel_of_image(point.pixel);
-    const bool divided = point.lobe.rays > 0;
+    const bool divided = point.lobe.rays > 0 || point.parts > 1;
     const auto rays = static_cast<std::size_t>(divided ? 1 : rays_of_lobe_);
     LobePath path = point.lobe;
-    if (!divided) path.rays = static_cast<float>(rays);
+    if (path.rays == 0) path.rays = static_cast<float>(rays);
     std::uint32_t first = point.lobe.number;
     glm::uvec2 flip(0);
     if (options_.random_lobes) {
@@ -828,10 +829,16 @@ void TileTracer::queue_layered(const TilePoint& point, const glm::vec3& lift)
         next_reflected_.push(path, s.position + lift, 0, c.reflected, k_infinity);
     }
     shading::find_transmitted(s, c, point.parts > 1, transmitted_);
-    for (const shading::TransmittedRay& ray : transmitted_) {
+    for (std::uint32_t number = 0; number < transmitted_.size(); ++number) {
+        const shading::TransmittedRay& ray = transmitted_[number];
         Path through{point.pixel, point.throughput * refracted * ray.part, s.cone};
-        through.lobe = point.lobe, through.splits = splits.refracted;
-        through.parts = ray.spread > 0 ? point.parts * static_cast<float>(transmitted_.size()) : point.parts;
+        through.lobe = point.lobe, through.splits = splits.refracted, through.parts = point.parts;
+        // The parts of a path are many, and each of them goes on along the brighter of two rays.
+        if (ray.spread > 0) {
+            through.parts *= static_cast<float>(transmitted_.size());
+            through.splits = k_most_splits;
+            if (point.lobe.rays == 0) through.lobe.number = number;
+        }
         if (largest(through.throughput) * through.parts < options_.min_throughput) continue;
         through.cone.spread += ray.spread;
         next_refracted_.push(through, s.position - lift, 0, ray.direction, k_infinity);
