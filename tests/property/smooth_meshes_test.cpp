@@ -284,6 +284,45 @@ TEST(SmoothMeshes, LongTrianglesAreLitByWhatStandsBeforeThem)
     EXPECT_NEAR(light / mean_of_strips(Renderer(o).render(scene, 1)), 1, 0.05);
 }
 
+// The smooth surface of a box with rounded normals would reach into the ground around it.
+TEST(SmoothMeshes, BoxesWithRoundedNormalsHaveLightAtTheirFeet)
+{
+    std::vector<Vec3> positions, normals;
+    for (int i = 0; i < 8; ++i) {
+        const Vec3 sign{i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f};
+        positions.push_back({sign.x, sign.y + 1.001f, sign.z});
+        normals.push_back({0.57735f * sign.x, 0.57735f * sign.y, 0.57735f * sign.z});
+    }
+    const std::vector<std::uint32_t> indices = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                                                2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+    Mesh mesh;
+    mesh.positions = positions, mesh.normals = normals, mesh.indices = indices;
+    SceneBuilder builder;
+    const MaterialId white =
+        builder.material({.base_color = {0.8f, 0.8f, 0.8f}, .double_sided = true, .roughness = 1, .ior = 1});
+    builder.instance(builder.mesh(mesh), white);
+    builder.instance(builder.mesh(test::square(20).mesh()), white, Transform::look_at({0, 0, 0}, {0, 1, 0.001f}));
+    builder.light({.type = LightType::directional, .color = {3, 3, 3}}, Transform::look_at({0, 2, 3}, {0, 0, 0}));
+    Camera camera;
+    camera.transform = Transform::look_at({0, 1, 6}, {0, 0.2f, 1});
+    camera.vertical_fov = 0.12;   // the foot of the front
+    builder.camera(camera);
+    const Scene scene = builder.finish();
+    RenderOptions o = options();
+    o.size = {60, 60};
+    o.indirect = Indirect::visible;
+    o.bounces = 1;
+    const auto light_of_foot = [&](const Frame& frame) {
+        double sum = 0;
+        for (int y = 10; y < 40; ++y)
+            for (int x = 0; x < 60; ++x) sum += static_cast<double>(frame.layer("indirect")->value(x, y));
+        return sum;
+    };
+    const double light = light_of_foot(Renderer(o).render(scene, 1));
+    o.reference = ReferenceLightOptions{.spp = 256, .bounces = 1};
+    EXPECT_NEAR(light / light_of_foot(Renderer(o).render(scene, 1)), 1, 0.1);
+}
+
 // The path-traced reference has the same horizon, so that both tell the same.
 TEST(SmoothMeshes, AgreeWithTheReference)
 {

@@ -90,12 +90,14 @@ void PointPlacer::place(const CacheFrame& frame, std::span<CachePoint* const> cl
 {
     searching_.clear();
     placed_.clear();
+    raised_.clear();
     covering_.clear();
     for (CachePoint* point : claimed) {
         if (!is_lattice(point->key)) {
             const bool is_new = point->version == 0;
             if (!is_new && point->dynamic_version == frame.dynamic_version) continue;
             const float size = place_part(frame, *point);
+            raised_.push_back(point);
             if (is_new && point->owner == k_no_owner && !is_near(point->key) && size > 0)
                 covering_.push_back({point, k_covered_part * size});
         } else if (point->version == 0) {
@@ -105,6 +107,8 @@ void PointPlacer::place(const CacheFrame& frame, std::span<CachePoint* const> cl
         }
     }
     follow_lines(frame);
+    raised_.insert(raised_.end(), placed_.begin(), placed_.end());
+    stay_before_surfaces(frame);
     find_free_distances(frame);
     find_covered(frame);
     for (CachePoint* point : claimed)
@@ -163,6 +167,18 @@ bool PointPlacer::accept_hit(const CacheFrame& frame, Search& search, std::size_
     point.smooth_lift = ray::smooth_lift(geometry, triangle, u, v, normal);
     search.best = from_middle;
     return true;
+}
+
+// Where static geometry stands before the smooth surface, as the ground at the foot of a box with rounded normals does,
+// the point lies half-way to it: behind it, its rays would see nothing.
+void PointPlacer::stay_before_surfaces(const CacheFrame& frame)
+{
+    std::erase_if(raised_, [](const CachePoint* p) { return !p->exists || p->smooth_lift == glm::vec3(0); });
+    rays_.clear();
+    for (const CachePoint* p : raised_) rays_.push(p->position + p->lift * p->geometric_normal, 0, p->smooth_lift, 1);
+    closest_alone(*frame.rays, rays_, hits_, ray::Sides::both);
+    for (std::size_t i = 0; i < raised_.size(); ++i)
+        if (hits_.object[i] != scene::none) raised_[i]->smooth_lift *= 0.5f * hits_.t[i];
 }
 
 // Finds how far the surface around a new lattice point is free. Beyond a wall, or from inside one, its irradiance does

@@ -4,7 +4,8 @@
 // free, and the centre of a part of a triangle.
 //
 // Cost: a new lattice point: 1 to 6 rays along its line, four along the surface, and five that find whether geometry
-// covers it. A new part of a static object: these five. Parts of dynamic objects are placed again whenever one moved.
+// covers it. A new part of a static object: these five. One more where the smooth surface is above the triangle. Parts
+// of dynamic objects are placed again whenever one moved.
 
 #include <span>
 #include <vector>
@@ -29,6 +30,7 @@ class PointPlacer {
     };
     void follow_lines(const CacheFrame& frame);
     bool accept_hit(const CacheFrame& frame, Search& search, std::size_t ray) const;
+    void stay_before_surfaces(const CacheFrame& frame);
     void find_free_distances(const CacheFrame& frame);
     void find_covered(const CacheFrame& frame);
 
@@ -38,6 +40,7 @@ class PointPlacer {
         float reach;
     };
     std::vector<CachePoint*> placed_;   // new lattice points
+    std::vector<CachePoint*> raised_;   // to the smooth surface
     std::vector<Covering> covering_;    // new points on static objects
     ray::RayQueue rays_;
     ray::Hits hits_;
