@@ -53,6 +53,27 @@ double noise_of(const shading::FrameBuffers& buffers)
     return mean > 0 ? std::sqrt(square / count) / (mean / count) : 0;
 }
 
+// The exposure of an image with the scene's own background where that is left out.
+double exposure_before_background(const shading::FrameBuffers& buffers, const scene::Background& background,
+                                  const scene::View& view)
+{
+    std::vector<float> colors = buffers.color.data;
+    for (int y = 0; y < buffers.alpha.height; ++y)
+        for (int x = 0; x < buffers.alpha.width; ++x) {
+            const float behind = 1 - buffers.alpha.pixel(x, y)[0];
+            if (!(behind > 0)) continue;
+            glm::vec3 origin, direction;
+            float near = 0, far = 0;
+            view.ray(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f, origin, direction, near, far);
+            const glm::vec3 radiance = behind * background.radiance(glm::normalize(direction));
+            for (int c = 0; c < 3; ++c)
+                colors[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(buffers.alpha.width) +
+                            static_cast<std::size_t>(x)) +
+                       static_cast<std::size_t>(c)] += radiance[c];
+        }
+    return image::auto_exposure(colors);
+}
+
 }   // namespace
 
 void set_overlay(const Image8& image, Frame& result)
@@ -112,13 +133,16 @@ std::vector<std::string> overlay_titles(const scene::Scene& scene, const std::ve
     return titles;
 }
 
-void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const RenderOptions& options,
-                std::optional<double> exposure, Frame& result)
+void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const scene::View& view,
+                const RenderOptions& options, std::optional<double> exposure, Frame& result)
 {
     shading::FrameBuffers& buffers = engine.buffers();
     if (engine.is_reference()) result.noise = noise_of(buffers);
     result.tonemap = options.tonemap;
-    result.exposure = exposure ? *exposure : image::auto_exposure(buffers.color.data);
+    const bool apart = options.background != BackgroundKind::environment && engine.shown() == frame::Shown::light;
+    result.exposure = exposure ? *exposure
+                      : apart  ? exposure_before_background(buffers, scene.background, view)
+                               : image::auto_exposure(buffers.color.data);
     if (engine.shown() == frame::Shown::redrawn) {
         engine.paint_redrawn(result.exposure);
         result.tonemap = ToneMap::none;
@@ -130,7 +154,7 @@ void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const Ren
         result.layers.push_back(layer_of(name, std::move(channels), image, owner));
     };
     add("", {"R", "G", "B"}, buffers.color);
-    if (options.background != BackgroundKind::environment && engine.shown() == frame::Shown::light) {
+    if (apart) {
         add("alpha", {"A"}, buffers.alpha);
         result.background = options.background;
         std::copy(std::begin(options.background_color), std::end(options.background_color), result.background_color);

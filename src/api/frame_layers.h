@@ -14,9 +14,11 @@
 namespace gnomon::api {
 
 /// Exposes the engine's image, and lists its layers.
-/// @param exposure  in stops; none: automatic
-void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const RenderOptions& options,
-                std::optional<double> exposure, Frame& result);
+/// @param exposure  in stops; none: automatic. That is the same for every background: a colour or nothing counts as
+/// what
+///                  it takes the place of
+void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const scene::View& view,
+                const RenderOptions& options, std::optional<double> exposure, Frame& result);
 
 /// Makes an overlay, which is in screen colours, the only layer.
 void set_overlay(const Image8& image, Frame& result);

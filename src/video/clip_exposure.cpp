@@ -23,6 +23,7 @@ RenderOptions small_options(const Scene& scene, const RenderOptions& options)
     small.samples = 1;
     small.filter = PixelFilter::automatic;
     small.exposure = 0;
+    small.background = BackgroundKind::environment;   // in front of another one, a scene is exposed alike
     small.reference.reset();
     small.as_printed = false;
     if (small.shadow_culling == ShadowCulling::paper) small.shadow_culling = ShadowCulling::certified;

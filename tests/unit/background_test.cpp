@@ -74,6 +74,22 @@ TEST(Background, GroundHasNoId)
     EXPECT_TRUE(with.pick(48, 48).hit);
 }
 
+TEST(Background, DoesNotChangeTheExposure)
+{
+    const test::ScratchFolder scratch;
+    std::vector<double> exposures;
+    for (const BackgroundKind background :
+         {BackgroundKind::environment, BackgroundKind::color, BackgroundKind::transparent}) {
+        RenderOptions options = small(background);
+        options.exposure.reset();
+        Renderer renderer(options);
+        exposures.push_back(renderer.render(cube(scratch), 1).exposure);
+    }
+    EXPECT_NE(exposures[0], 0);
+    EXPECT_NEAR(exposures[1], exposures[0], 0.05);
+    EXPECT_EQ(exposures[2], exposures[1]);
+}
+
 TEST(Background, TransparentKeepsTheSceneAndItsShadowsAlone)
 {
     const test::ScratchFolder scratch;
