@@ -25,6 +25,18 @@ constexpr float k_deep = 0.06f;
 // Fraction of a point's irradiance that may come from a level that is slightly too coarse.
 constexpr float k_least_rest = 0.02f;
 
+// How far a part is from representing its surface point, 0 to 1: by the ratio of its light to that of the lattice
+// around, whichever is larger. It begins below the first ratio, and is complete at the second.
+constexpr float k_alike = 0.8f, k_unlike = 0.5f;
+
+float unlike(float part, float around)
+{
+    const float larger = std::max(part, around);
+    if (!(larger > 0)) return 0;
+    const float t = std::clamp((k_alike - std::min(part, around) / larger) / (k_alike - k_unlike), 0.0f, 1.0f);
+    return t * t * (3 - 2 * t);
+}
+
 LatticeReach reach_of(const CollectedCell& cell)
 {
     return {k_plane_distance * spacing_of(cell.level), k_facing, true};
@@ -213,23 +225,28 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
         // Take finer parts where geometry covers the centre of a part or hides it from the surface point, or where it
         // is dark, so that no black dot appears; of a mean, once.
         const bool last = are == PartsAre::own || (are == PartsAre::finer && is_of_mean(request));
-        const bool replaced = !last && (hidden_[k] != 0 || light == glm::vec3(0));
-        if (!replaced) {
+        float replaced = !last && (hidden_[k] != 0 || light == glm::vec3(0)) ? 1.0f : 0.0f;
+        // Take them, too, as far as the light of a part and that of the lattice around differ; not for a mean.
+        if (are == PartsAre::far && replaced == 0 && !work.dynamic[request.point] && !point.of_many)
+            replaced = unlike(luminance(light), luminance(request.fallback.light));
+        if (replaced < 1) {
+            const float weight = (1 - replaced) * request.weight;
             float form_factor = request.part->form_factor(point.normal);
             if (light == glm::vec3(0)) {
                 const bool deferred = request.part->version == 0;
                 light = deferred ? frame.average : request.fallback.light;
                 form_factor = deferred ? 0 : request.fallback.form_factor;
             }
-            irradiance[request.point] += request.weight * light;
-            work.form_factor[request.point] += request.weight * form_factor;
+            irradiance[request.point] += weight * light;
+            work.form_factor[request.point] += weight * form_factor;
             if (!work.dynamic[request.point])
                 if (const float near = frame.near_by_parts(point.width); near > 0)
-                    work.near_parts.push_back({request.point, request.weight * near, request.key});
-            continue;
+                    work.near_parts.push_back({request.point, weight * near, request.key});
+            if (replaced == 0) continue;
         }
+        const float weight = replaced * request.weight;
         if (request.part->version == 0) {
-            irradiance[request.point] += request.weight * frame.average;   // deferred
+            irradiance[request.point] += weight * frame.average;   // deferred
             continue;
         }
         const bool finer = are == PartsAre::far && !work.dynamic[request.point];
@@ -237,8 +254,7 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
                                   : is_of_mean(request) ? select_parts_of_mean(frame, point)
                                                         : select_finer_parts(frame, point);
         for (int i = 0; i < parts.count; ++i)
-            replaced_.push_back(
-                {request.point, request.weight * parts.weight[i], parts.key[i], nullptr, request.fallback});
+            replaced_.push_back({request.point, weight * parts.weight[i], parts.key[i], nullptr, request.fallback});
     }
     work.parts.swap(replaced_);
 }
