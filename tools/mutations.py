@@ -552,7 +552,7 @@ MUTATIONS = (
         "unit:PixelFilter.LightAboveWhiteCountsLess"),
     row("share-of-samples", "image", "samples of a pixel with many outweigh those of its neighbours",
         "src/image/pixel_filter.cpp", "const float weight = share * weights.across[dx]",
-        "const float weight = weights.across[dx]", "unit:PixelFilter.SamplesOfAPixelStandForItsArea"),
+        "const float weight = std::ceil(share) * weights.across[dx]", "unit:PixelFilter.SamplesOfAPixelStandForItsArea"),
     # ---- video
     row("exposure-of-the-first-frames", "video", "a clip's exposure is that of its first frames",
         "src/video/clip_exposure.cpp", "frames.push_back(1 + static_cast<int>((std::int64_t{2} * i + 1) * frame_count / (2 * count)));",
