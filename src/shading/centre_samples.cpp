@@ -54,4 +54,20 @@ bool CentreSamples::needs_more(int x, int y, const ImageF& color, const RefineOp
     return false;
 }
 
+bool CentreSamples::varies(int x, int y, const ImageF& color, const RefineOptions& options) const
+{
+    const CentreSample& own = at(x, y);
+    if (!own.textured) return false;
+    const glm::vec3 light = color_at(color, x, y), here = shown(light, options.exposure);
+    for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+            if (!inside(x + dx, y + dy)) continue;
+            const CentreSample& other = at(x + dx, y + dy);
+            if (other.object != own.object || other.material != own.material) continue;
+            const glm::vec3 there = shown(relit(light, own.reflectance, other.reflectance), options.exposure);
+            if (difference(here, there) > options.texture) return true;
+        }
+    return false;
+}
+
 }   // namespace gnomon::shading

@@ -23,9 +23,14 @@ namespace gnomon::shading {
 /// What the sample at a pixel's centre met.
 struct CentreSample {
     glm::vec3 position{0}, normal{0};
-    glm::vec3 reflectance{1};                                   // diffuse and specular
+    // What its light is taken to be in proportion to: its diffuse reflectance, and its specular one as far as that
+    // reflects what is around it at large.
+    glm::vec3 reflectance{1};
+    glm::vec3 mirror{0};                                        // the rest of its specular reflectance
     float width = 0;                                            // of the pixel at the surface, across the view
     std::uint32_t object = 0xffffffff, material = 0xffffffff;   // the highest number: it met nothing
+    std::uint32_t triangle = 0;                                 // of the object
+    bool textured = false;                                      // its reflectance may vary within a pixel
     bool mirrors = false;   // part of its light comes from other surfaces, which it mirrors or lets through
 };
 
@@ -37,6 +42,8 @@ struct RefineOptions {
     float spread = 0.15f;        // difference of a pixel's samples of several surfaces from which on it has all of them
     float light_spread = 0.3f;   // likewise, of samples of one surface, whose light must be computed
     float same_normal = 0.9f;    // cosine between normals of neighbours on one surface
+    int texture_samples = 8;     // of a texture that differs from pixel to pixel; at most scene::k_refined_samples
+    float texture = 0.01f;       // difference by a neighbour's reflectance that one sample of a texture may hide
     float off_plane = 1.0f;   // distance of a neighbour's position from the plane of a surface, in widths of the pixel
 };
 
@@ -80,6 +87,10 @@ class CentreSamples {
     /// Whether a pixel needs more samples.
     /// @param color  3 channels: the light of the samples
     bool needs_more(int x, int y, const ImageF& color, const RefineOptions& options) const;
+
+    /// Whether a pixel shows a texture that differs from pixel to pixel, so that one sample of it is not its mean.
+    /// @param color  as above
+    bool varies(int x, int y, const ImageF& color, const RefineOptions& options) const;
 
  private:
     std::size_t index(int x, int y) const

@@ -7,7 +7,9 @@
 //    more than a bound gets 12 more. The positions are the same in all pixels (scene::refined_offset()).
 // 3. Where a further sample finds a surface that no pixel around has at its centre, such as a thin wire, step 2 goes on
 //    with the pixels around that have one sample yet, for some rounds.
-// 4. A filter makes the pixels of all samples (image/pixel_filter.h).
+// 4. A pixel of one sample that shows a texture which changes from pixel to pixel has further samples without rays: the
+//    texture at other places of the triangle's plane, in light that is taken from the pixels around.
+// 5. A filter makes the pixels of all samples (image/pixel_filter.h).
 //
 // A further sample costs a camera ray and its surface. Where the pixels around it that show the same surface agree in
 // their light, it takes its light from them, at its own reflectance; so edges of objects need no shadow rays and no
@@ -16,7 +18,7 @@
 // where all show one surface, their light is computed.
 //
 // Each step reads what the step before made of the whole image, so that the image depends neither on the order of tiles
-// nor on threads. Memory: CentreSamples, and SampleSums, 84 and 23 bytes a pixel without layers.
+// nor on threads. Memory: CentreSamples, and SampleSums, 68 and 23 bytes a pixel without layers.
 
 #include <array>
 #include <vector>

@@ -16,6 +16,13 @@ float nearness(float distance)
     return std::max(0.0f, image::k_filter_radius - std::abs(distance));
 }
 
+// Weight of the i-th of three values one apart, in the parabola through them.
+// @param x  from the middle one
+float second_order(float x, int i)
+{
+    return i == 0 ? x * (x - 1) / 2 : i == 1 ? 1 - x * x : x * (x + 1) / 2;
+}
+
 glm::vec3 vector_at(const ImageF& image, int x, int y)
 {
     const float* const c = image.pixel(x, y);
@@ -29,10 +36,17 @@ shading::CentreSample TileTracer::centre_sample(const shading::SurfacePoint& s, 
 {
     shading::CentreSample sample;
     sample.position = s.position, sample.normal = s.normal;
-    sample.reflectance = s.diffuse + s.specular;
+    // The highlights and mirror images of a Phong surface do not follow its texture, which is that of its diffuse part.
+    sample.reflectance = s.diffuse;
+    if (s.model == scene::ShadingModel::whitted && s.diffuse != glm::vec3(0))
+        sample.mirror = s.specular;
+    else
+        sample.reflectance += s.specular;
     sample.width = s.cone.width;
     sample.object = object;
     sample.material = scene_.meshes[scene_.objects[object].mesh].part_of(triangle).material;
+    sample.triangle = triangle;
+    sample.textured = scene_.materials[sample.material].base_color_texture.used() && !s.layered;
     return sample;
 }
 
@@ -86,14 +100,76 @@ void TileTracer::refine(const Tile& tile, const Refinement& refinement, RefinedP
 
 void TileTracer::add_single(const Tile& tile, const Refinement& refinement, const RefinedPixels& pixels)
 {
+    tile_ = tile;
     refinement_ = &refinement;
     for (int y = 0; y < tile.height; ++y)
         for (int x = 0; x < tile.width; ++x) {
             if (!pixels.single(tile.x + x, tile.y + y)) continue;
-            single_values({tile.x + x, tile.y + y});
+            const glm::ivec2 at(tile.x + x, tile.y + y);
+            if (refinement.centres.varies(at.x, at.y, refinement.single.color, refinement.options)) {
+                add_texture(at, refinement);
+                continue;
+            }
+            single_values(at);
             refinement.sums.add(number_of(tile), x, y, refinement.lone, 1, single_values_.data());
         }
     refinement_ = nullptr;
+}
+
+// Adds a pixel of one sample as several that differ by the texture alone.
+void TileTracer::add_texture(const glm::ivec2& at, const Refinement& refinement)
+{
+    const int samples = refinement.options.texture_samples;
+    const float share = 1.0f / static_cast<float>(1 + samples);
+    const std::size_t number = number_of(tile_);
+    const int x = at.x - tile_.x, y = at.y - tile_.y;
+    const shading::CentreSample& centre = refinement.centres.at(at.x, at.y);
+    single_values(at);
+    refinement.sums.add(number, x, y, refinement.weights[0], share, single_values_.data());
+    clear_sums(1);
+    values_.resize(static_cast<std::size_t>(refinement.sums.channels()));
+    for (int k = 0; k < samples; ++k) {
+        const auto pixel = static_cast<std::uint32_t>(y * tile_.side + x);
+        shading::CentreSample sample = centre;
+        const bool met = texture_sample(at, scene::refined_offset(k), sample);
+        if (!met || !take_agreed(0, {pixel, static_cast<std::uint32_t>(k), 0}, sample)) {
+            single_values(at);
+            add_share(0, sample, centre, 1, single_values_.data());
+        }
+        values_of(0, values_.data());
+        refinement.sums.add(number, x, y, refinement.weights[static_cast<std::size_t>(k) + 1], share, values_.data());
+        clear_sums(1);
+    }
+}
+
+// What the surface of a pixel's centre shows elsewhere in the pixel, in the plane of its triangle.
+// @param sample  that of the centre; its position and its reflectance are replaced
+// @return  false: the plane is not seen there, or too far from the triangle
+bool TileTracer::texture_sample(const glm::ivec2& at, const glm::vec2& offset, shading::CentreSample& sample) const
+{
+    constexpr float k_beyond = 1;   // of the triangle, in its own sides
+    const ray::ObjectGeometry& geometry = rays_.geometry(sample.object);
+    glm::vec3 p[3], origin, direction;
+    float tnear, tfar;
+    geometry.corners(sample.triangle, p);
+    view_.ray(static_cast<float>(at.x) + offset.x, static_cast<float>(at.y) + offset.y, origin, direction, tnear, tfar);
+
+    // Intersect the plane.
+    const glm::vec3 a = p[1] - p[0], b = p[2] - p[0], normal = glm::cross(a, b), to = p[0] - origin;
+    const float facing = glm::dot(normal, direction);
+    const float t = glm::dot(normal, to) / facing;
+    if (!(t > 0 && t < k_infinity)) return false;
+    const glm::vec3 turned = glm::cross(direction, to);
+    const float u = -glm::dot(turned, b) / facing, v = glm::dot(turned, a) / facing;
+    if (!(std::min(u, v) > -k_beyond && u + v < 1 + k_beyond)) return false;
+
+    shading::SurfacePoint s;
+    shading::surface_at(scene_, geometry, sample.triangle, u, v, t, direction, {view_.pixel_width, view_.pixel_spread},
+                        s);
+    const shading::CentreSample there = centre_sample(s, sample.object, sample.triangle);
+    sample.position = origin + t * direction;
+    sample.reflectance = there.reflectance, sample.mirror = there.mirror;
+    return true;
 }
 
 // Lists the tile's selected pixels, in Morton order.
@@ -186,17 +262,18 @@ bool TileTracer::take_light(const TilePoint& point, scene::ObjectId object, std:
     // The last samples of a pixel of one surface are there for its light.
     const FurtherSample& sample = samples_[point.pixel];
     const bool first = sample.number < scene::k_first_refined_samples;
-    const bool taken = first || !refined_[sample.refined].several ? take_agreed(point, own) : take_nearest(point, own);
+    const bool taken =
+        first || !refined_[sample.refined].several ? take_agreed(point.pixel, sample, own) : take_nearest(point, own);
     if (!taken) ++counters_.samples.shaded;
     return taken;
 }
 
 // Takes the light of the pixels around a sample that show the same surface, if these agree.
-bool TileTracer::take_agreed(const TilePoint& point, const shading::CentreSample& own)
+// @param to  its number in the sums
+bool TileTracer::take_agreed(std::uint32_t to, const FurtherSample& sample, const shading::CentreSample& own)
 {
     const shading::RefineOptions& options = refinement_->options;
     const shading::FrameBuffers& single = refinement_->single;
-    const FurtherSample& sample = samples_[point.pixel];
     const glm::ivec2 at = tile_.pixel_of_image(sample.pixel);
     const glm::vec2 offset = scene::refined_offset(static_cast<int>(sample.number)) - 0.5f;
 
@@ -204,6 +281,7 @@ bool TileTracer::take_agreed(const TilePoint& point, const shading::CentreSample
     float weights[9];
     glm::vec3 low(k_infinity), high(0);
     float sum = 0;
+    int same = 0;
     for (int i = 0; i < 9; ++i) {
         const glm::ivec2 there = at + glm::ivec2(i % 3 - 1, i / 3 - 1);
         weights[i] = 0;
@@ -214,17 +292,32 @@ bool TileTracer::take_agreed(const TilePoint& point, const shading::CentreSample
             shading::relit(vector_at(single.color, there.x, there.y), other.reflectance, own.reflectance),
             options.exposure);
         low = glm::min(low, seen), high = glm::max(high, seen);
+        ++same;
         const glm::vec2 apart = offset - glm::vec2(there - at);
         sum += weights[i] = nearness(apart.x) * nearness(apart.y);
     }
     if (!(sum > 0) || shading::difference(high, low) > options.agree) return false;
 
-    // Take the mean, near pixels first.
+    // Interpolate: by a surface of second order through all nine, which blurs nothing; else by the mean, near ones
+    // first.
+    if (same == 9) {
+        sum = 1;
+        for (int i = 0; i < 9; ++i) weights[i] = second_order(offset.x, i % 3) * second_order(offset.y, i / 3);
+    }
     for (int i = 0; i < 9; ++i) {
         if (weights[i] == 0) continue;
         const glm::ivec2 there = at + glm::ivec2(i % 3 - 1, i / 3 - 1);
         single_values(there);
-        add_share(point.pixel, own, refinement_->centres.at(there.x, there.y), weights[i] / sum, single_values_.data());
+        add_share(to, own, refinement_->centres.at(there.x, there.y), weights[i] / sum, single_values_.data());
+    }
+    // Near black, the parabolas may pass below it.
+    color_[to] = glm::max(color_[to], glm::vec3(0));
+    if (!options_.layers) return true;
+    direct_[to] = glm::max(direct_[to], glm::vec3(0)),
+    indirect_color_[to] = glm::max(indirect_color_[to], glm::vec3(0));
+    for (std::size_t l = 0, lights = scene_.lights.size(); l < lights; ++l) {
+        float& lit = shadow_[to * lights + l];
+        lit = std::clamp(lit, 0.0f, 1.0f);
     }
     return true;
 }
@@ -294,7 +387,7 @@ void TileTracer::add_share(std::uint32_t to, const shading::CentreSample& own, c
     if (!options_.layers) return;
     direct_[to] += take();
     indirect_color_[to] += take();
-    albedo_[to] += weight * own.reflectance;
+    albedo_[to] += weight * (own.reflectance + own.mirror);
     values += 3;
     const std::size_t lights = scene_.lights.size();
     for (std::size_t l = 0; l < lights; ++l) shadow_[to * lights + l] += weight * values[l];

@@ -101,7 +101,9 @@ class TileTracer {
     void shade_samples(std::span<const FurtherSample> samples);
     void take_samples(const Refinement& refinement, std::span<const std::uint32_t> refined, int first, int end);
     bool take_light(const TilePoint& point, scene::ObjectId object, std::uint32_t triangle);
-    bool take_agreed(const TilePoint& point, const shading::CentreSample& own);
+    bool take_agreed(std::uint32_t to, const FurtherSample& sample, const shading::CentreSample& own);
+    void add_texture(const glm::ivec2& at, const Refinement& refinement);
+    bool texture_sample(const glm::ivec2& at, const glm::vec2& offset, shading::CentreSample& sample) const;
     bool take_nearest(const TilePoint& point, const shading::CentreSample& own);
     void add_share(std::uint32_t to, const shading::CentreSample& own, const shading::CentreSample& of, float weight,
                    const float* values);

@@ -197,5 +197,84 @@ TEST(AdaptiveSamples, RefinesNothingOnAnEvenBoardAndTheEdgeOfAShadowOnIt)
     }
 }
 
+// A floor with stripes a little wider than pixels, seen at a slant, so that single samples of it are not its means.
+scene::Scene striped_floor(scene::ShadingModel model)
+{
+    SceneBuilder builder;
+    std::vector<std::uint8_t> texels(64 * 64);
+    for (std::size_t i = 0; i < texels.size(); ++i) texels[i] = i / 4 % 2 == 0 ? 230 : 60;
+    const TextureId stripes = builder.texture({.width = 64, .height = 64, .channels = 1, .pixels = texels});
+    const std::vector<Vec3> corners = {{-4, 0, -8}, {-4, 0, 2}, {4, 0, 2}, {4, 0, -8}};
+    const std::vector<Vec2> places = {{0, 0}, {0, 5}, {4, 5}, {4, 0}};
+    const std::vector<std::uint32_t> indices = {0, 1, 2, 0, 2, 3};
+    Material material{.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .ior = 1};
+    material.base_color_texture.texture = stripes;
+    builder.instance(builder.mesh({.positions = corners, .indices = indices, .texcoords = {places}}),
+                     builder.material(material));
+    builder.light({.color = {40, 40, 40}}, Transform::translation(1, 4, -2));
+    scene::Scene scene = *api::scene_of(builder.finish());
+    for (scene::Material& m : scene.materials) {
+        m.model = model;
+        if (model == scene::ShadingModel::whitted) m.specular = glm::vec3(0.3f), m.shine = 0;
+    }
+    return scene;
+}
+
+scene::View over_the_floor()
+{
+    scene::View view;
+    view.eye = {0.3f, 1, 3}, view.forward = glm::normalize(glm::vec3(0, -0.35f, -1));
+    view.right = {0.5f, 0, 0}, view.up = 0.4f * glm::normalize(glm::vec3(0, 1, -0.35f));
+    view.size = {80, 64};
+    view.pixel_spread = 2 * 0.4f / 64;
+    return view;
+}
+
+// No pixel of the floor is refined: neighbours differ by their reflectance alone. The texture is sampled without rays.
+TEST(AdaptiveSamples, TexturesOfPixelsThatAreNotRefinedAreTheMeansOfMany)
+{
+    for (const auto model : {scene::ShadingModel::metallic_roughness, scene::ShadingModel::whitted}) {
+        const scene::SceneState state(std::make_shared<const scene::Scene>(striped_floor(model)), 0);
+        const ray::RayScene rays(state);
+        const scene::View view = over_the_floor();
+        // No light is above the display's white, which would count less.
+        trace::TracedOptions options{.filter = PixelFilter::blackman_harris, .adaptive = true, .exposure = -3.0f};
+        options.refine.edge = options.refine.light = 10;   // no difference is as large
+        options.refine.texture = 10;
+        const Traced one = traced(state, rays, view, options);
+        options.refine.texture = trace::TracedOptions().refine.texture;
+        const Traced several = traced(state, rays, view, options);
+        const Traced many = traced(state, rays, view, {.samples = 64, .filter = PixelFilter::blackman_harris});
+        EXPECT_EQ(several.counters.samples.taken, 0u);
+        EXPECT_EQ(several.counters.primary_rays, one.counters.primary_rays);
+        const double before = rmse(one.buffers.color.data, many.buffers.color.data);
+        const double after = rmse(several.buffers.color.data, many.buffers.color.data);
+        EXPECT_LT(after, 0.5 * before) << static_cast<int>(model) << ": " << before;
+    }
+}
+
+// The light of a board below a near light is curved. Light that is taken at other places in the pixels must be so, too.
+TEST(AdaptiveSamples, LightThatIsTakenIsNotBlurred)
+{
+    const Scene scene = board(false);
+    const scene::SceneState state(api::scene_of(scene), 0);
+    const ray::RayScene rays(state);
+    scene::View view;
+    view.eye = {0, 15, 0}, view.forward = {0, -1, 0};
+    view.right = {0.9f, 0, 0}, view.up = {0, 0, -0.9f};
+    view.size = {20, 20};
+    view.pixel_spread = 2 * 0.9f / 20;
+    trace::TracedOptions options{.filter = PixelFilter::blackman_harris, .adaptive = true, .exposure = 0.0f};
+    options.refine.light = -1;          // all pixels are refined
+    options.refine.agree = 1;           // and take light
+    options.refine.light_spread = -1;   // with all samples
+    const Traced taken = traced(state, rays, view, options);
+    EXPECT_EQ(taken.counters.samples.taken, 20u * 20u * 16u);
+    EXPECT_EQ(taken.counters.samples.shaded, 0u);
+    options.refine.agree = -1;
+    const Traced computed = traced(state, rays, view, options);
+    EXPECT_LT(rmse(taken.buffers.color.data, computed.buffers.color.data), 0.003);   // means of neighbours: 0.0039
+}
+
 }   // namespace
 }   // namespace gnomon

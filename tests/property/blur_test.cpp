@@ -319,6 +319,15 @@ TEST(DepthOfField, AutomaticFocusIsThatOfTheMiddle)
     test::expect_same(automatic, frame_of(scene, options));
 }
 
+// 50 mm at f/2.8 is a lens of 17.9 mm; the field of view of 50 mm on a sensor 24 mm high is 27 degrees.
+TEST(Lens, AnFNumberRefersToAFullFrameCamera)
+{
+    scene::View view;
+    view.up = {0, 12.0f / 50, 0};
+    EXPECT_NEAR(scene::lens_radius(view, 2.8), 0.050 / 2.8 / 2, 1e-7);
+    EXPECT_NEAR(scene::lens_radius(view, 1.4), 0.050 / 2.8, 1e-7);
+}
+
 TEST(Lens, AllRaysOfAPlaceMeetInThePlaneOfFocus)
 {
     scene::View view;

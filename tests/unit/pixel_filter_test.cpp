@@ -104,6 +104,16 @@ TEST(PixelFilter, SamplesOfAPixelStandForItsArea)
     EXPECT_EQ(image[0], 1);
     EXPECT_EQ(image[4], 0.5f);
     EXPECT_EQ(image[7], 4);
+
+    // A filter that reaches the neighbour weighs both pixels alike, however many samples they have.
+    SampleSums one({2, 1}, 2, 4, k_infinity), two({2, 1}, 2, 4, k_infinity);
+    const SampleWeights wide = sample_weights(PixelFilter::blackman_harris, glm::vec2(0.5f));
+    for (SampleSums* to : {&one, &two}) to->add(0, 0, 0, wide, 1, bright);
+    one.add(0, 1, 0, wide, 1, dark);
+    for (int i = 0; i < 2; ++i) two.add(0, 1, 0, wide, 0.5f, dark);
+    const std::vector<float> expected = resolved(one, {2, 1}, 1), weighed = resolved(two, {2, 1}, 1);
+    ASSERT_GT(expected[4], 0);
+    for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_NEAR(weighed[i], expected[i], 1e-6f) << i;
 }
 
 // A pixel's only sample is spread as far as many samples of it are: sum and second moment of the weights are those of
