@@ -62,7 +62,8 @@ TEST(SameBytes, VideoOfPartsUnderThreeInstructionSetsEqualsOneRun)
     std::vector<std::string> three(sets.end() - static_cast<std::ptrdiff_t>(std::min<std::size_t>(sets.size(), 2)),
                                    sets.end());
     three.insert(three.begin(), sets.front());
-    expect_parts_equal_one_run({"render", "builtin:kinetic", "--frames", "45-50", "--size", "96x54"}, 3, three);
+    expect_parts_equal_one_run(
+        {"render", "builtin:spheres?objects=30&dynamic=20", "--frames", "1-6", "--size", "96x54"}, 3, three);
 }
 
 TEST(SameBytesFull, KitchenInSixPartsUnderThreeInstructionSetsEqualsOneRun)

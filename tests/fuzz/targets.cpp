@@ -207,6 +207,7 @@ std::string run_obj(Input bytes)
 {
     const fs::path file = folder().put("main.obj", bytes);
     static const fs::path materials = folder().put("m.mtl", mtl_seeds()[0]);
+    reads([&] { check_scene(io::load_obj(file, {}, {.strict = true})); });
     return reads([&] { check_scene(io::load_obj(file)); });
 }
 
@@ -216,7 +217,9 @@ std::string run_mtl(Input bytes)
     static const fs::path file =
         folder().put("with.obj", std::string("mtllib fuzzed.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
                                              "usemtl red\nf 1/1 2/2 3/3\nusemtl blue\nf 1/1 3/3 2/2\n"));
-    return reads([&] { check_scene(io::load_obj(file)); });
+    // Whatever is in a file of materials, it is read, unless reading is strict.
+    reads([&] { check_scene(io::load_obj(file)); });
+    return reads([&] { check_scene(io::load_obj(file, {}, {.strict = true})); });
 }
 
 std::string run_gltf(Input bytes)
@@ -254,12 +257,14 @@ std::string run_meshopt(Input bytes)
 std::string run_ply(Input bytes)
 {
     const fs::path file = folder().put("main.ply", bytes);
+    reads([&] { check_scene(io::load_ply(file, {}, {.strict = true})); });
     return reads([&] { check_scene(io::load_ply(file)); });
 }
 
 std::string run_stl(Input bytes)
 {
     const fs::path file = folder().put("main.stl", bytes);
+    reads([&] { check_scene(io::load_stl(file, {}, {.strict = true})); });
     return reads([&] { check_scene(io::load_stl(file)); });
 }
 
