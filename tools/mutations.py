@@ -2,6 +2,8 @@
 """The mistakes that tools/mutate.py puts into the code, and the tests that are expected to find them.
 
 Each row is one small mistake of the kind that a programmer makes: a factor, a sign, a swapped operand, a step left out.
+
+LONG: one table of rows.
 """
 from dataclasses import dataclass
 
