@@ -73,7 +73,11 @@ class LobeImage {
         return static_cast<std::size_t>(y / side_) * static_cast<std::size_t>(columns_) +
                static_cast<std::size_t>(x / side_);
     }
-    std::size_t in_tile(int x, int y) const { return static_cast<std::size_t>(y % side_ * side_ + x % side_); }
+    std::size_t in_tile(int x, int y) const
+    {
+        return static_cast<std::size_t>(y % side_) * static_cast<std::size_t>(side_) +
+               static_cast<std::size_t>(x % side_);
+    }
     void filter_tile(int left, int top, glm::vec3 LobePixel::*from, glm::vec3 LobePixel::*to, Window& window,
                      const LobeFilterOptions& options);
 

@@ -214,7 +214,8 @@ void TileTracer::add_samples(int sample, image::SampleSums& sums)
     std::vector<float> values(static_cast<std::size_t>(sums.channels()));
     for (int y = 0; y < tile_.height; ++y)
         for (int x = 0; x < tile_.width; ++x) {
-            values_of(static_cast<std::size_t>(y * tile_.side + x), values.data());
+            const int pixel = y * tile_.side + x;
+            values_of(static_cast<std::size_t>(pixel), values.data());
             sums.add(number_of(tile_), x, y, weights, 1, values.data());
         }
     clear_sums(color_.size());
@@ -223,7 +224,8 @@ void TileTracer::add_samples(int sample, image::SampleSums& sums)
 std::size_t TileTracer::number_of(const Tile& tile) const
 {
     const int columns = (view_.size.width + options_.tile - 1) / options_.tile;
-    return static_cast<std::size_t>(tile.y / options_.tile * columns + tile.x / options_.tile);
+    const int number = tile.y / options_.tile * columns + tile.x / options_.tile;
+    return static_cast<std::size_t>(number);
 }
 
 // The channels of a sample, in the order of averaged_layers().
