@@ -14,9 +14,8 @@
 namespace gnomon::api {
 
 /// Exposes the engine's image, and lists its layers.
-/// @param exposure  in stops; none: automatic. That is the same for every background: a colour or nothing counts as
-/// what
-///                  it takes the place of
+/// @param exposure  in stops; none: automatic, and the same for every background: what is left out behind the scene
+///                  counts as if it were shown
 void set_layers(frame::FrameEngine& engine, const scene::Scene& scene, const scene::View& view,
                 const RenderOptions& options, std::optional<double> exposure, Frame& result);
 

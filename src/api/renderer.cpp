@@ -452,7 +452,8 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
             result.view_left = place.left, result.view_top = place.top;
         }
     } else {
-        api::set_layers(engine, inside, view, options, result.counters.kept_image ? last_exposure : options.exposure, result);
+        api::set_layers(engine, inside, view, options, result.counters.kept_image ? last_exposure : options.exposure,
+                        result);
         last_exposure = result.exposure;
         result.size = view.size;
         watch.end(FrameTimes::image);

@@ -261,8 +261,7 @@ TEST(Limits, TimePasses)
 TEST(Limits, APathOnADriveIsAbsoluteAndNotRemote)
 {
     const ScratchFolder folder;
-    for (const auto& [uri, problem] :
-         {std::pair("C:/t.png", "does not exist"), {"https://a/t.png", "is a remote"}}) {
+    for (const auto& [uri, problem] : {std::pair("C:/t.png", "does not exist"), {"https://a/t.png", "is a remote"}}) {
         std::ofstream(folder / "scene.gltf") << fmt::format(
             R"({{"asset":{{"version":"2.0"}},"images":[{{"uri":"{}"}}],"textures":[{{"source":0}}],"materials":[
             {{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}}}}}}]}})",
