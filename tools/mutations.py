@@ -375,6 +375,9 @@ MUTATIONS = (
     row("form-factor", "shading", "the form factor of a polygon is 2 % too small",
         "src/shading/polygon_light.cpp", "return std::abs(sum) / (2 * k_pi);", "return std::abs(sum) / (2.04 * k_pi);",
         "property:SizedLightFrame.*:AreaLights.*"),
+    row("groups-over-horizons", "shading", "groups of faces that a horizon cuts count as if they were above it",
+        "src/shading/polygon_light.cpp", "if (!(least_above > group.radius) && !last) return false;", "",
+        "property:PolygonLight.*"),
     row("terminator-facets", "shading", "light fades at the triangle's horizon, not at the smooth surface's",
         "src/shading/shading.cpp", "return g * (1 + g * (1 - g));", "return g;", "unit:Shading.*"),
     # ---- lighting

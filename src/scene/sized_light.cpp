@@ -305,6 +305,7 @@ void SizedLights::make(const SceneState& state)
             light.cells = light.cell_radiance.empty() ? 1 : cells;
         }
         light.dynamic = light.faces[0].dynamic;
+        light.tree = make_face_tree(light.faces);
         enclose(light);
         place(light, sources, sequence);
         lights_.push_back(std::move(light));
@@ -317,6 +318,7 @@ std::size_t SizedLights::bytes() const
     std::size_t bytes = emissive_.size();
     for (const SizedLight& light : lights_)
         bytes += sizeof(SizedLight) + light.faces.size() * sizeof(SizedFace) +
+                 light.tree.nodes.size() * sizeof(FaceNode) + light.tree.order.size() * sizeof(std::uint32_t) +
                  light.places.size() * sizeof(SizedPlace) + light.cell_radiance.size() * sizeof(glm::vec3);
     return bytes;
 }

@@ -18,6 +18,7 @@
 #include <span>
 #include <vector>
 
+#include "scene/face_tree.h"
 #include "scene/sized_face.h"
 #include "scene/state.h"
 
@@ -42,6 +43,7 @@ struct SizedPlace {
 
 struct SizedLight {
     std::vector<SizedFace> faces;   // one: a polygon; more: a flat figure or a cluster
+    FaceTree tree;                  // over many faces
     std::vector<SizedPlace> places;
     /// Of a textured polygon: mean radiances over the cells [i / n, (i + 1) / n] x [j / n, (j + 1) / n] of the unit
     /// square (SizedFace::at), row by row (j); n = `cells`. Empty for a polygon of one radiance and for clusters.

@@ -137,6 +137,52 @@ class Sum {
         irradiance_ += k_pi * form_factor(polygon, glm::dvec3(s_.normal)) * glm::dvec3(radiance);
         if (lobe_) reflected_ += share_of(*lobe_, polygon) * glm::dvec3(radiance);
     }
+    // Adds a group of faces as a small disc, if that is what it is from here. Returns false if it must be opened.
+    bool add(const scene::FaceNode& group, bool coarse)
+    {
+        const bool last = coarse && group.count > 0;   // do with the group, unless the point touches it
+        if (group.normal_spread > (coarse ? k_coarse_spread : k_spread) && !last) return false;
+        const float far = last ? 3 : coarse ? k_coarse_far : k_far;
+
+        // Find the side from which all of it is seen.
+        const glm::vec3 way = group.centre - s_.position;
+        const float square = glm::dot(way, way), distance = std::sqrt(square);
+        const float emitted = -glm::dot(group.normal, way);
+        const float turned = distance * group.normal_spread + group.radius;
+        if (last && !(distance > far * group.radius)) return false;
+        if (emitted < (last ? 0 : -turned) && !group.two_sided) return true;
+        if (!(std::abs(emitted) > turned) && !last) return false;
+
+        // Compare it with both horizons.
+        const float above = glm::dot(way, s_.normal), least_above = std::min(above, glm::dot(way, s_.smooth_normal));
+        if (least_above < (last ? 0 : -group.radius)) return true;
+        if (!(least_above > group.radius) && !last) return false;
+        if (!(distance > far * group.radius)) return false;
+
+        // Sum it up: from nearby, a disc subtends less than its area over the square of its distance.
+        const glm::dvec3 radiance = glm::dvec3(group.power) / static_cast<double>(group.area);
+        double lobe = 0;
+        if (lobe_) {
+            const auto radius = static_cast<double>(group.radius);
+            const glm::dvec3 there = lobe_->to_cosine * glm::dvec3(way);
+            const double there_square = glm::dot(there, there);
+            if (!last) {
+                const double least = static_cast<double>(far) * radius * lobe_->stretch;
+                if (!(there_square > least * least && std::abs(there.z) > radius * lobe_->rise)) return false;
+            }
+            if (there.z > 0) {
+                const glm::dvec3 area =
+                    lobe_->areas_to_cosine * (static_cast<double>(group.area) * glm::dvec3(group.normal));
+                lobe = lobe_->scale * std::abs(glm::dot(area, there)) * there.z /
+                       (there_square * (k_pi * there_square + glm::length(area)));
+            }
+        }
+        const float factor =
+            std::abs(emitted) * group.area * above / (square * (square + group.area / static_cast<float>(k_pi)));
+        irradiance_ += static_cast<double>(factor) * radiance;
+        reflected_ += std::min(1.0, lobe) * radiance;
+        return true;
+    }
     UnshadowedLight result() const
     {
         UnshadowedLight light;
@@ -146,6 +192,10 @@ class Sum {
     }
 
  private:
+    // Groups may have normals that differ by that much, and must be farther away than that many radii of their own.
+    static constexpr float k_spread = 0.25f, k_coarse_spread = 0.5f;
+    static constexpr float k_far = 4, k_coarse_far = 2;
+
     const SurfacePoint& s_;
     const PolygonLobe* lobe_;
     glm::dvec3 irradiance_{0}, reflected_{0};
@@ -209,6 +259,11 @@ PolygonLobe::PolygonLobe(const SurfacePoint& s)
     }
     const TransformedCosine cosine = transformed_cosine(static_cast<float>(n_v), s.roughness);
     to_cosine = cosine.to_cosine * glm::transpose(glm::dmat3(x, glm::cross(z, x), z));
+    areas_to_cosine = {glm::cross(to_cosine[1], to_cosine[2]), glm::cross(to_cosine[2], to_cosine[0]),
+                       glm::cross(to_cosine[0], to_cosine[1])};
+    stretch = std::sqrt(glm::dot(to_cosine[0], to_cosine[0]) + glm::dot(to_cosine[1], to_cosine[1]) +
+                        glm::dot(to_cosine[2], to_cosine[2]));
+    rise = glm::length(glm::dvec3(to_cosine[0].z, to_cosine[1].z, to_cosine[2].z));
     scale = cosine.scale;
     albedo = glossy_albedo(s) * s.coverage;
 }
@@ -231,8 +286,26 @@ UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light
 
     // Sum a distant light of many polygons over its places.
     const std::size_t polygons = std::max(light.faces.size(), light.cell_radiance.size());
-    if (polygons > light.places.size() && glm::length(to_centre) > options.far * light.radius) {
+    if (!(options.coarse && !light.tree.nodes.empty()) && polygons > light.places.size() &&
+        glm::length(to_centre) > options.far * light.radius) {
         return unshadowed_by_places(s, light, light.places, lobe != nullptr);
+    }
+
+    // Sum up the faces of a light that has many of them by groups.
+    if (!light.tree.nodes.empty()) {
+        Sum sum(s, lobe);
+        for (std::size_t n = 0; n < light.tree.nodes.size();) {
+            const scene::FaceNode& node = light.tree.nodes[n];
+            const bool added = sum.add(node, options.coarse);
+            n = added || node.count > 0 ? node.next : n + 1;
+            if (added) continue;
+            for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+                const scene::SizedFace& face = light.faces[light.tree.order[i]];
+                if (emits_towards(s, face))
+                    sum.add(seen_from(s.position, face.corner.data(), face.corners), face.radiance);
+            }
+        }
+        return sum.result();
     }
 
     std::optional<Sum> sum;

@@ -5,7 +5,9 @@
 //
 // Diffuse: the polygon is clipped at the horizons of the geometric and of the shading normal; its irradiance is
 // Lambert's sum over the edges of what is left [Lambert 1760; Baum et al. 1989], cell by cell where the emission is
-// textured. Glossy: the same sum after the transform of a linearly transformed cosine (transformed_cosines.h).
+// textured. Glossy: the same sum after the transform of a linearly transformed cosine (transformed_cosines.h). Of a
+// light with many faces, groups that are far for their size count as one small disc (scene/face_tree.h), for a lobe
+// those that are so in the space in which it is a cosine.
 //
 // How much of the light is visible is a ratio of sums: the weights of the visible places over those of all places. The
 // ratio estimator has no error where all or nothing is visible, whatever the places.
@@ -22,6 +24,9 @@ struct PolygonLightOptions {
     // A light that is farther away than this many radii is summed over its sample places, if it has fewer of them than
     // faces, or than cells of a texture.
     float far = 4;
+    // Groups of the faces of a light that has many of them are larger, and single faces count as discs: for points of
+    // which many are averaged.
+    bool coarse = false;
     // Lobes are widened to this roughness at least for the ratio of visible weights, because the places of a light
     // cannot resolve a sharper one.
     float least_roughness = 0.25f;
@@ -36,6 +41,9 @@ struct UnshadowedLight {
 /// The lobe of a surface point in world space, for unshadowed(): it is the same for all lights.
 struct PolygonLobe {
     glm::dmat3 to_cosine{1};
+    glm::dmat3 areas_to_cosine{1};   // of vectors of area
+    double stretch = 1;              // no vector becomes longer than that many times
+    double rise = 1;                 // nor does its height above the horizon by more than that many of its lengths
     double scale = 1;
     glm::vec3 albedo{0};   // coverage included
 

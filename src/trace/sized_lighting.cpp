@@ -139,7 +139,8 @@ void SizedLighting::light(const PointBatch& batch, std::span<const float> image,
             if (few == 0 || few > k_simple_places) {
                 const bool divided = point.parts > 1 || point.lobe.rays > 1;
                 shading::PolygonLightOptions options;
-                if (divided) options.far = k_far_of_divided;
+                options.coarse = divided;
+                if (divided && light.tree.nodes.empty()) options.far = k_far_of_divided;
                 arrives = {shading::unshadowed(s, light, lobe ? &*lobes_[p] : nullptr, options)};
                 if (coat)
                     arrives.coat = shading::unshadowed(shading::coat_surface(s), light, &*coat_lobes_[p], options).lobe;

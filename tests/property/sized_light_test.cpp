@@ -253,6 +253,56 @@ TEST(PolygonLight, TransformedCosinesReflectLightsAsTheLobeDoes)
         }
 }
 
+// Groups of faces that count as discs give what the faces give, near a glowing body as far away, for any lobe.
+TEST(PolygonLight, GroupsOfFacesBringWhatTheFacesBring)
+{
+    scene::SizedLightOptions options;
+    options.most_clusters = 2;
+    scene::Mesh sphere = test::ball(0, 40, 60);
+    for (glm::vec3& p : sphere.positions) p = glm::normalize(p);
+    const scene::SizedLights made = lights_of(emitter(sphere), options);
+    ASSERT_EQ(made.lights().size(), 2u);
+    Random random(11);
+    const auto direction = [&] {
+        const float z = random.uniform(-1, 1), turn = random.uniform(0, 2 * static_cast<float>(k_pi));
+        const float r = std::sqrt(std::max(0.0f, 1 - z * z));
+        return glm::vec3(r * std::cos(turn), r * std::sin(turn), z);
+    };
+    glm::dvec2 all(0), error[2] = {glm::dvec2(0), glm::dvec2(0)};   // of irradiance and lobes; fine and coarse
+    std::size_t unlike = 0;
+    for (int i = 0; i < 400; ++i) {
+        shading::SurfacePoint s = surface(random.uniform(0.15f, 1), 0, glm::vec3(1));
+        const float height = random.uniform();
+        s.position = direction() * (1.002f + 2 * height * height * height);
+        s.normal = s.geometric_normal = s.smooth_normal = direction();
+        s.to_viewer = direction();
+        if (glm::dot(s.to_viewer, s.normal) < 0) s.to_viewer = -s.to_viewer;
+        for (const scene::SizedLight& light : made.lights()) {
+            scene::SizedLight alone = light;
+            alone.tree = {};
+            shading::PolygonLightOptions near;
+            near.far = 1e9f;   // no sum over places
+            const shading::UnshadowedLight truth = shading::unshadowed(s, alone, true, near);
+            all += glm::dvec2(truth.irradiance.x, truth.lobe.x);
+            for (const bool coarse : {false, true}) {
+                near.coarse = coarse;
+                const shading::UnshadowedLight found = shading::unshadowed(s, light, true, near);
+                error[coarse] += glm::dvec2(found.irradiance.x - truth.irradiance.x, found.lobe.x - truth.lobe.x);
+                if (coarse) continue;
+                // The irradiance of a point that sees nothing else is 2 pi.
+                EXPECT_NEAR(found.irradiance.x, truth.irradiance.x, 0.03f * truth.irradiance.x + 0.002f) << i;
+                EXPECT_NEAR(found.lobe.x, truth.lobe.x, 0.02f * truth.lobe.x + 0.002f) << i << ' ' << s.roughness;
+                if (found.irradiance != truth.irradiance) ++unlike;
+            }
+        }
+    }
+    for (const int part : {0, 1}) {
+        EXPECT_NEAR(error[0][part] / all[part], 0, 0.002) << part;
+        EXPECT_NEAR(error[1][part] / all[part], 0, 0.04) << part;
+    }
+    EXPECT_GT(unlike, 200u);   // there were groups
+}
+
 TEST(PolygonLight, LobesSeeAllOfAnEvenSurrounding)
 {
     // Six squares around the point: the lobe reflects its whole albedo.
