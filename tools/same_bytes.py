@@ -47,7 +47,7 @@ k_long = k_short + [
     ["sponza/sponza.obj", "--size", "384x216", "--frames", "1-1"],
     ["stanford/stanford-bunny.obj", "--size", "256x256", "--frames", "1-1"],
     ["gltf/CesiumMilkTruck.glb", "--size", "256x256", "--frames", "1-4"],
-    ["gltf/CesiumMan.glb", "--size", "256x256", "--frames", "1-6"],
+    ["real/RiggedFigure/RiggedFigure.glb", "--size", "256x256", "--frames", "1-6"],
     ["gltf/InterpolationTest.glb", "--size", "256x256", "--frames", "1-6"],
 ]
 

@@ -18,6 +18,8 @@ namespace {
 constexpr ImU32 k_stage_colors[ViewTimes::k_stages] = {IM_COL32(229, 159, 53, 255), IM_COL32(94, 167, 107, 255),
                                                        IM_COL32(66, 133, 201, 255), IM_COL32(171, 120, 184, 255)};
 
+constexpr float k_least_percent = 1, k_most_percent = 10000;   // of a held object's size
+
 // Whether the option changes the scene, which then has to be loaded again, and not just a frame of it.
 bool of_scene(std::string_view name)
 {
@@ -44,6 +46,16 @@ void tooltip(std::string_view text)
     ImGui::TextUnformatted(text.data(), text.data() + text.size());
     ImGui::PopTextWrapPos();
     ImGui::EndTooltip();
+}
+
+glm::vec3 moved_by(const Transform& transform, const glm::vec3& point)
+{
+    glm::dvec3 result;
+    for (std::size_t row = 0; row < 3; ++row)
+        result[static_cast<int>(row)] = transform.m[row] * static_cast<double>(point.x) +
+                                        transform.m[4 + row] * static_cast<double>(point.y) +
+                                        transform.m[8 + row] * static_cast<double>(point.z) + transform.m[12 + row];
+    return glm::vec3(result);
 }
 
 void line(const std::string& text)
@@ -300,16 +312,37 @@ void Panel::object(OverrideList& overrides, const ViewImage& image)
     bool held = applied != nullptr;
     if (ImGui::Checkbox("freeze", &held)) {
         if (held) {
-            overrides.list.push_back({picked->node, picked->transform, glm::vec3(0)});
-            frozen.insert(picked->name);
+            freeze(overrides);
         } else
             std::erase_if(overrides.list, [&](const UserOverride& o) { return o.node == picked->node; });
     }
-    tooltip("keeps the object where it is now and ignores its animation, so that it can be moved");
+    tooltip("keeps the object where it is now and ignores its animation, so that it can be moved, turned and scaled");
     applied = overrides.find(picked->node);
     if (!applied) return;
     const float step = 0.002f * glm::length(eye_of(image.camera) - picked->position);
-    if (ImGui::DragFloat3("move", &applied->offset.x, step, 0, 0, "%.3f")) moved.insert(picked->name);
+    bool changed = ImGui::DragFloat3("move", &applied->offset.x, step, 0, 0, "%.3f");
+    glm::vec3 degrees = glm::degrees(glm::eulerAngles(applied->turn));
+    if (ImGui::DragFloat3("turn", &degrees.x, 1, 0, 0, "%.0f")) {
+        applied->turn = glm::quat(glm::radians(degrees));
+        changed = true;
+    }
+    float percent = 100 * applied->factor;
+    if (ImGui::DragFloat("size", &percent, 1, k_least_percent, k_most_percent, "%.0f %%",
+                         ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp)) {
+        applied->factor = percent / 100;
+        changed = true;
+    }
+    if (changed) moved.insert(picked->name);
+}
+
+UserOverride& Panel::freeze(OverrideList& overrides)
+{
+    if (UserOverride* const known = overrides.find(picked->node)) return *known;
+    UserOverride made{picked->node, picked->transform};
+    made.pivot = moved_by(picked->transform, picked->pivot);
+    overrides.list.push_back(made);
+    frozen.insert(picked->name);
+    return overrides.list.back();
 }
 
 void Panel::keys()
@@ -325,6 +358,8 @@ void Panel::keys()
         {"wheel", "zoom"},
         {"W A S D, E Q", "fly, up and down; with shift, four times as fast"},
         {"click", "pick an object"},
+        {"arrows, rings, square", "drag to move, turn and scale the picked object"},
+        {"G", "show or hide these handles"},
         {"F", "aim at the picked object"},
         {"C", "use the scene's camera"},
         {"space", "play or pause"},

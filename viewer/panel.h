@@ -62,6 +62,9 @@ class Panel {
     PanelEvents draw(ViewSettings& settings, Playback& playback, OverrideList& overrides, const Scene* scene,
                      const ViewImage* image, const LoadState& load, bool own_camera, bool recording);
     void add(const ViewTimes& times) { graph_.add(times); }
+    /// Holds the picked object where it is; it may be held already.
+    /// @pre picked
+    UserOverride& freeze(OverrideList& overrides);
 
     bool shown = true, help = false;
     std::optional<Picked> picked;

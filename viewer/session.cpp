@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 #include "gnomon/error.h"
+#include "viewer/projection.h"
 
 namespace gnomon::viewer {
 
@@ -93,6 +95,29 @@ std::uint32_t layer_value_of(const Scene& scene, const InstanceId& instance, con
     return 0;
 }
 
+glm::dmat4 matrix_of(const Transform& transform)
+{
+    glm::dmat4 matrix;
+    for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = transform.m[static_cast<std::size_t>(i)];
+    return matrix;
+}
+
+// The origin of a picked node's space, if that is where the image shows the object, or else what was clicked at; in
+// that space.
+glm::vec3 pivot_of(const Picked& picked, const ViewImage& image)
+{
+    const glm::dmat4 world = matrix_of(picked.world);
+    const glm::vec2 size(image.frame.view_size.width, image.frame.view_size.height);
+    const std::optional<glm::vec2> origin = Projection(image.camera, size).place_of(glm::vec3(world[3]));
+    glm::vec2 low(k_infinity), high(-k_infinity);
+    for (const OutlineEdge& edge : image.outline)
+        low = glm::min(low, glm::vec2(edge.from)), high = glm::max(high, glm::vec2(edge.to));
+    if (origin && glm::all(glm::greaterThan(*origin * size, low)) && glm::all(glm::lessThan(*origin * size, high)))
+        return glm::vec3(0);
+    if (!(std::abs(glm::determinant(world)) > 0)) return glm::vec3(0);
+    return glm::vec3(glm::inverse(world) * glm::dvec4(glm::dvec3(picked.position), 1));
+}
+
 ViewTimes times_of(const Frame& frame, double encoding)
 {
     const auto sum = [&](std::initializer_list<FrameTimes::Stage> stages) {
@@ -109,6 +134,24 @@ ViewTimes times_of(const Frame& frame, double encoding)
 }
 
 }   // namespace
+
+Transform UserOverride::transform() const
+{
+    Transform result = taken;
+    if (turn != glm::quat(1, 0, 0, 0) || factor != 1) {
+        const glm::dmat4 matrix = glm::translate(glm::dmat4(1), glm::dvec3(pivot)) * glm::mat4_cast(glm::dquat(turn)) *
+                                  glm::scale(glm::dmat4(1), glm::dvec3(static_cast<double>(factor))) *
+                                  glm::translate(glm::dmat4(1), -glm::dvec3(pivot));
+        Transform change;
+        for (int i = 0; i < 16; ++i) change.m[static_cast<std::size_t>(i)] = matrix[i / 4][i % 4];
+        result = change * taken;
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        const int element = 12 + axis;   // of the translation
+        result.m[static_cast<std::size_t>(element)] += static_cast<double>(offset[axis]);
+    }
+    return result;
+}
 
 const char* ViewTimes::name(int stage)
 {
@@ -374,8 +417,10 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     if (request.pick) picked = pick(*scene, frame, *request.pick);
     if (picked && picked->instance) {
         picked->transform = renderer_.transform(picked->node);
+        picked->world = renderer_.world_transform(picked->node);
         if (const Layer* const ids = frame.layer("id"))
             image->outline = outline_of(*ids, layer_value_of(*scene, picked->instance, *ids));
+        if (request.pick) picked->pivot = pivot_of(*picked, *image);
     }
     image->picked = std::move(picked);
     // A saved frame is as without a picked object. The renderer uses the memory of other frames' layers again.
@@ -398,12 +443,7 @@ void ViewSession::hand_over_overrides(const Scene& scene, const ViewRequest& req
             scene.name(o.node);
             held_.push_back(o.node);
         }
-        Transform transform = o.taken;
-        for (int axis = 0; axis < 3; ++axis) {
-            const int element = 12 + axis;   // of the translation
-            transform.m[static_cast<std::size_t>(element)] += static_cast<double>(o.offset[axis]);
-        }
-        input.transforms.push_back({o.node, transform, {}});
+        input.transforms.push_back({o.node, o.transform(), {}});
     }
     // Release the nodes whose override ended. They stay noted until a frame has done so.
     for (const NodeId& node : held_)

@@ -24,11 +24,17 @@
 
 namespace gnomon::viewer {
 
-/// A user override: a node that is held where it was taken, or moved from there. Its track is ignored.
+/// A user override: a node that is held where it was taken, or moved, turned and scaled from there. Its track is
+/// ignored.
 struct UserOverride {
     NodeId node;
     Transform taken;       // where it was taken: to its parent's space (Picked::transform)
     glm::vec3 offset{0};   // from there, in its parent's space
+    glm::quat turn{1, 0, 0, 0};
+    float factor = 1;     // of its size
+    glm::vec3 pivot{0};   // around which it turns and grows, before it is moved; in its parent's space
+    /// To its parent's space.
+    Transform transform() const;
     friend bool operator==(const UserOverride&, const UserOverride&) = default;
 };
 
@@ -63,9 +69,11 @@ struct Picked {
     InstanceId instance;   // an id without a part: nothing is there
     NodeId node;           // that moves it
     Transform transform;   // of that node to its parent's space, in this image
+    Transform world;       // of that node to the world, in this image
     std::string name;
     std::string mobility;   // "stands still", "moves", "deforms"
     glm::vec3 position{0};
+    glm::vec3 pivot{0};   // around which it turns and grows, in the space of that node
 };
 
 struct ViewImage {

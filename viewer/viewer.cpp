@@ -15,6 +15,7 @@
 #include "options/option_table.h"
 #include "viewer/gl_window.h"
 #include "viewer/input_queue.h"
+#include "viewer/object_handles.h"
 #include "viewer/orbit_camera.h"
 #include "viewer/panel.h"
 #include "viewer/recorder.h"
@@ -91,6 +92,9 @@ struct Viewer::Impl {
     bool dirty = true;
     std::vector<UserOverride> requested_overrides;
 
+    bool handles = true;   // of the picked object are shown
+    ObjectHandles object_handles;
+
     glm::vec2 pressed_at{0};
     int pressed = -1;
     bool dragged = false;
@@ -112,6 +116,7 @@ struct Viewer::Impl {
     void take_image();
     void adapt_scale();
     void take_camera();
+    std::optional<Gizmo> gizmo() const;
     void follow_mouse();
     void fly(double seconds);
     void key(int which);
@@ -145,6 +150,7 @@ void Viewer::Impl::take_scene()
     requested.clear();
     input_at.reset();
     panel.picked.reset();
+    object_handles.forget();
     pick.reset();
     own_camera = false;
     dirty = true;
@@ -208,11 +214,25 @@ void Viewer::Impl::take_camera()
     own_camera = true;
 }
 
+// The handles at the picked object; none while nothing is picked or the image is not of what the panel describes.
+std::optional<Gizmo> Viewer::Impl::gizmo() const
+{
+    if (!handles || !image || image->scene != scene || recorder.recording() || !panel.picked ||
+        !panel.picked->instance || image->outline.empty())
+        return std::nullopt;
+    const Placed place = placed();
+    const glm::vec2 corner = place.corner + place.factor * glm::vec2(image->frame.view_left, image->frame.view_top);
+    const glm::vec2 size = place.factor * glm::vec2(image->frame.view_size.width, image->frame.view_size.height);
+    return Gizmo(image->camera, pivot_of(*panel.picked), corner, size);
+}
+
 void Viewer::Impl::follow_mouse()
 {
-    // Zoom with the wheel; note where a button went down.
     const ImGuiIO& io = ImGui::GetIO();
     const glm::vec2 at(io.MousePos.x, io.MousePos.y);
+    if (pressed < 0 && object_handles.follow(gizmo(), panel, overrides)) return;
+
+    // Zoom with the wheel; note where a button went down.
     if (!io.WantCaptureMouse && scene) {
         for (int button = 0; button < 3; ++button)
             if (ImGui::IsMouseClicked(button)) pressed = button, pressed_at = at, dragged = false;
@@ -270,8 +290,10 @@ void Viewer::Impl::key(int which)
     const options::Option* const overlay = options::find_option(options::Subcommand::view, "overlay");
     switch (which) {
         case GLFW_KEY_ESCAPE:
-            // Close an open list first, then the window.
-            if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup))
+            // End a drag or close an open list first, then the window.
+            if (object_handles.dragged())
+                object_handles.cancel(overrides);
+            else if (ImGui::IsPopupOpen(nullptr, ImGuiPopupFlags_AnyPopup))
                 ImGui::SetWindowFocus(nullptr);
             else
                 glfwSetWindowShouldClose(window.handle, GLFW_TRUE);
@@ -296,6 +318,9 @@ void Viewer::Impl::key(int which)
             break;
         case GLFW_KEY_H:
             panel.help = !panel.help;
+            break;
+        case GLFW_KEY_G:
+            handles = !handles;
             break;
         case GLFW_KEY_C:
             own_camera = false;
@@ -518,6 +543,7 @@ ViewSummary Viewer::run(const std::function<bool()>& stopped)
         in.follow_mouse();
         in.fly(seconds);
         in.draw_image();
+        if (const auto gizmo = in.gizmo()) in.object_handles.draw(*gizmo, in.pressed < 0);
         const PanelEvents events = in.panel.draw(in.settings, in.playback, in.overrides, in.scene.get(), in.image.get(),
                                                  load, in.own_camera, in.recorder.recording());
         if (events.options_changed) in.dirty = true;

@@ -85,6 +85,41 @@ TEST(View, ScreenshotEqualsTheRenderedImageAfterAnyInteraction)
     EXPECT_GT(near, 120 * 110 * 8 / 10);
 }
 
+// Drags of the handles at the picked object; Escape during a drag puts the object back.
+TEST(View, HandlesMoveThePickedObject)
+{
+    NEED_WINDOWS();
+    const ScratchFolder folder;
+    // Screenshots wait for the first image, and for the one in which the ball is picked.
+    const std::string begin =
+        "sleep 1\nkey space\nkey Home\nkey Tab\nkey p\nawait gnomon-0001.png\nmousemove 300 270\nclick 1\nkey p\nawait "
+        "gnomon-0002.png\n"
+        "mousemove 304 230\nmousedown 1\nmousemove 304 200\nmousemove 304 150\nsleep 0.5\n";
+    const Seen moved = drive(folder, "builtin:cornell", "",
+                             begin + "mouseup 1\nsleep 1\nkey p\nawait gnomon-0003.png\nkey Escape\n", "800x600");
+    ASSERT_EQ(moved.code, 0) << moved.err;
+    EXPECT_EQ(moved.json.at("frozen"), nlohmann::json::array({"ball"}));
+    EXPECT_EQ(moved.json.at("moved"), nlohmann::json::array({"ball"}));
+    const ScratchFolder other;
+    const Seen cancelled =
+        drive(other, "builtin:cornell", "",
+              begin + "key Escape\nmouseup 1\nsleep 1\nkey p\nawait gnomon-0003.png\nkey Escape\n", "800x600");
+    ASSERT_EQ(cancelled.code, 0) << cancelled.err;
+    const Outcome rendered = run({"render", "builtin:cornell", "--frame", "1", "--size", "800x600", "--samples", "1",
+                                  "-o", folder / "render.png"});
+    ASSERT_EQ(rendered.code, 0) << rendered.err;
+    const Image8 up = io::read_image(folder / "gnomon-0003.png"), back = io::read_image(other / "gnomon-0003.png");
+    EXPECT_EQ(back.data, io::read_image(folder / "render.png").data);
+    // The ball is 80 pixels higher.
+    const auto is_ball = [](const Image8& image, int x, int y) {
+        const std::uint8_t* const p = image.pixel(x, y);
+        return p[2] > p[0] + 40;
+    };
+    EXPECT_TRUE(is_ball(back, 310, 270));
+    EXPECT_FALSE(is_ball(up, 310, 300));
+    EXPECT_TRUE(is_ball(up, 310, 190));
+}
+
 TEST(View, ShowsTheRasterisedFrame)
 {
     NEED_WINDOWS();

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/projection.h"
+
+#include <cmath>
+
+namespace gnomon::viewer {
+
+namespace {
+
+constexpr float k_least_depth = 1e-6f;
+
+}   // namespace
+
+Projection::Projection(const Camera& camera, const glm::vec2& size)
+{
+    const auto& m = camera.transform.m;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto first = static_cast<std::size_t>(4 * axis);
+        const glm::vec3 column(glm::dvec3(m[first], m[first + 1], m[first + 2]));
+        if (glm::length(column) > 0) axes_[axis] = glm::normalize(column);
+    }
+    eye_ = glm::vec3(glm::dvec3(m[12], m[13], m[14]));
+
+    glm::dvec2 half, centre(0);
+    if (camera.matrix) {
+        const auto& p = camera.matrix->m;
+        orthographic_ = p[15] == 1;
+        half = {1 / p[0], 1 / p[5]};
+        centre = orthographic_ ? glm::dvec2(-p[12] / p[0], -p[13] / p[5]) : glm::dvec2(p[8] / p[0], p[9] / p[5]);
+    } else if (camera.intrinsics) {
+        const Intrinsics& lens = *camera.intrinsics;
+        const glm::dvec2 pixels =
+            lens.size.width > 0 ? glm::dvec2(lens.size.width, lens.size.height) : glm::dvec2(size);
+        half = {pixels.x / (2 * lens.fx), pixels.y / (2 * lens.fy)};
+        centre = {(pixels.x / 2 - lens.cx) / lens.fx, (lens.cy - pixels.y / 2) / lens.fy};
+    } else {
+        orthographic_ = camera.orthographic_height.has_value();
+        half.y = orthographic_ ? *camera.orthographic_height / 2 : std::tan(camera.vertical_fov / 2);
+        half.x = half.y * static_cast<double>(size.x / size.y);
+        centre = 2 * half.y * glm::dvec2(camera.shift_x, camera.shift_y);
+    }
+    half_ = glm::vec2(half), centre_ = glm::vec2(centre);
+}
+
+std::optional<glm::vec2> Projection::place_of(const glm::vec3& point) const
+{
+    const glm::vec3 seen = glm::transpose(axes_) * (point - eye_);
+    if (!orthographic_ && !(-seen.z > k_least_depth)) return std::nullopt;
+    const glm::vec2 on_plane = orthographic_ ? glm::vec2(seen) : glm::vec2(seen) / -seen.z;
+    const glm::vec2 place = (on_plane - centre_) / half_;
+    return glm::vec2(0.5f + 0.5f * place.x, 0.5f - 0.5f * place.y);
+}
+
+Projection::Line Projection::line_at(const glm::vec2& place) const
+{
+    const glm::vec2 on_plane = centre_ + half_ * glm::vec2(2 * place.x - 1, 1 - 2 * place.y);
+    if (orthographic_) return {eye_ + axes_ * glm::vec3(on_plane, 0), -axes_[2]};
+    return {eye_, glm::normalize(axes_ * glm::vec3(on_plane, -1))};
+}
+
+float Projection::height_at(const glm::vec3& point) const
+{
+    return 2 * half_.y * (orthographic_ ? 1 : glm::dot(eye_ - point, axes_[2]));
+}
+
+glm::vec3 Projection::to_viewer(const glm::vec3& point) const
+{
+    return orthographic_ || point == eye_ ? axes_[2] : glm::normalize(eye_ - point);
+}
+
+}   // namespace gnomon::viewer
