@@ -116,6 +116,29 @@ void OrbitCamera::aim(const glm::vec3& point)
     pivot_ = eye + distance_ * this->forward();
 }
 
+std::optional<OrbitCamera::Side> OrbitCamera::side_of(int character)
+{
+    switch (character) {
+        case '1':
+            return Side::front;
+        case '3':
+            return Side::right;
+        case '7':
+            return Side::top;
+        case '9':
+            return Side::corner;
+        default:
+            return std::nullopt;
+    }
+}
+
+void OrbitCamera::look_from(Side side)
+{
+    const float quarter = static_cast<float>(k_pi) / 2;
+    yaw_ = side == Side::right ? -quarter : side == Side::corner ? -quarter / 2 : 0;
+    pitch_ = side == Side::top ? -k_steepest : side == Side::corner ? -std::asin(1 / std::sqrt(3.0f)) : 0;
+}
+
 Camera OrbitCamera::camera() const
 {
     Camera camera = lens_;

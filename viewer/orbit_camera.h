@@ -2,6 +2,8 @@
 #pragma once
 // The viewer's interactive camera: it orbits a pivot, pans with it, zooms towards it, or flies. World up is +Y.
 
+#include <optional>
+
 #include "base/math.h"
 #include "gnomon/scene_parts.h"
 
@@ -30,6 +32,13 @@ class OrbitCamera {
     void fly(float forward, float right, float up);
     /// Makes `point` the pivot and turns the view towards it; the eye stays.
     void aim(const glm::vec3& point);
+
+    /// Sides to look from: along an axis of the world, or from a corner of a cube.
+    enum class Side { front, right, top, corner };
+    /// The side that a digit key stands for: 1, 3, 7 and 9, as in f3d.
+    static std::optional<Side> side_of(int character);
+    /// Looks at the pivot from a side, at the same distance.
+    void look_from(Side side);
 
     /// The camera as it stands now, with its transform to the world.
     Camera camera() const;

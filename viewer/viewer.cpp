@@ -287,6 +287,11 @@ void Viewer::Impl::fly(double seconds)
 
 void Viewer::Impl::key(int which)
 {
+    if (const auto side = OrbitCamera::side_of(which)) {   // GLFW's codes of digits are their characters
+        take_camera();
+        camera.look_from(*side);
+        dirty = true;
+    }
     const options::Option* const overlay = options::find_option(options::Subcommand::view, "overlay");
     switch (which) {
         case GLFW_KEY_ESCAPE:
@@ -323,6 +328,7 @@ void Viewer::Impl::key(int which)
             handles = !handles;
             break;
         case GLFW_KEY_C:
+        case GLFW_KEY_ENTER:
             own_camera = false;
             dirty = true;
             break;
@@ -339,7 +345,11 @@ void Viewer::Impl::key(int which)
             dirty = true;
             break;
         }
+        case GLFW_KEY_UP:
+            session.load(settings.recipe(what));
+            break;
         case GLFW_KEY_P:
+        case GLFW_KEY_F12:
             screenshot();
             break;
         case GLFW_KEY_R:

@@ -125,6 +125,21 @@ TEST(OrbitCamera, ZoomsAnOrthographicCameraByItsHeight)
     }
 }
 
+TEST(OrbitCamera, LooksAtThePivotFromEachSide)
+{
+    OrbitCamera orbit;
+    orbit.follow(some_camera(), k_size, 3);
+    const glm::vec3 pivot = orbit.pivot();
+    for (const auto& [side, towards] : {std::pair{OrbitCamera::Side::front, glm::vec3(0, 0, -1)},
+                                        std::pair{OrbitCamera::Side::right, glm::vec3(-1, 0, 0)},
+                                        std::pair{OrbitCamera::Side::top, glm::vec3(0, -1, 0)},
+                                        std::pair{OrbitCamera::Side::corner, glm::normalize(glm::vec3(-1))}}) {
+        orbit.look_from(side);
+        EXPECT_GT(glm::dot(forward_of(orbit.camera()), towards), 0.999f);
+        EXPECT_LT(glm::length(eye_of(orbit.camera()) + 3.0f * forward_of(orbit.camera()) - pivot), 1e-4f);
+    }
+}
+
 }   // namespace
 }   // namespace gnomon::viewer
 #endif
