@@ -18,7 +18,8 @@ struct CacheOptions {
     float pixels_per_part = 6;    // spacing of parts of dynamic objects
     float pixels_per_leaf = 16;   // spacing of points on small triangles that no lattice fits: foliage, rods
     float pixels_per_finer = 6;   // the same where those do not represent the pixel
-    float pixels_per_own = 2;     // size of the part around the pixel itself, used where all other points are dark
+    float pixels_per_own = 1;     // size of the part around the pixel itself, used where all other points are dark
+    float pixels_per_mean = 2;    // spacing of the finest parts for points of which a mean is shown
     CutOptions cut;
     // Replace cut.error and cut.estimate for points on dynamic objects, because their cut is made again in every frame.
     float moving_error = 0.08f, moving_estimate = 0.05f;

@@ -2,10 +2,13 @@
 // Keys of cache points: the part of a triangle that represents a surface point, by level of detail.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <limits>
 
 #include "gnomon/error.h"
 #include "irradiance_cache/points/anchors.h"
+#include "irradiance_cache/points/slices.h"
 
 namespace gnomon::irradiance_cache {
 namespace {
@@ -47,6 +50,32 @@ TEST(Anchors, KeyEncodesPart)
     }
     EXPECT_NE(part_key(1, true, 3, 0.1f, 0.1f), part_key(1, true, 3, 0.8f, 0.1f));
     EXPECT_EQ(part_key(1, true, 0, 0.1f, 0.1f), part_key(1, true, 0, 0.8f, 0.1f));
+}
+
+TEST(Anchors, SlicesOfASlenderTriangleAreAboutAsLongAsWide)
+{
+    const glm::vec3 corner[3]{{0, 0, 0}, {0.5f, 0.02f, 0}, {2, 0, 0}};
+    const SlenderTriangle slender = slender_triangle(corner);
+    EXPECT_TRUE(is_slender(slender));
+    EXPECT_FALSE(is_slender(slender_triangle(std::array<glm::vec3, 3>{glm::vec3(0), {0, 1, 0}, {1, 0, 0}}.data())));
+    EXPECT_FLOAT_EQ(slender.length, 2);
+    EXPECT_NEAR(slender.height, 0.02f, 1e-6f);
+    for (const std::uint32_t level : {0u, 3u, 6u, k_part_levels})
+        for (const glm::vec2 uv : {glm::vec2(0.1f, 0.1f), {0.3f, 0.6f}, {0.02f, 0.9f}, {0, 0}, {1, 0}, {0, 1}}) {
+            const AnchorKey key = slice_key(slender, 77, true, level, uv.x, uv.y);
+            const Part part = part_of(key);
+            EXPECT_TRUE(part.slice && part.front && !is_near(key) && !is_lattice(key));
+            EXPECT_EQ(part.level, level);
+            EXPECT_EQ(part.triangle, 77u);
+            const SliceMiddle middle = middle_of_slice(slender, part);
+            // It lies within the triangle, in the slice, and no farther than half a slice along the side.
+            for (const float w : middle.weight) EXPECT_GE(w, 0);
+            EXPECT_EQ(slice_key(slender, 77, true, level, middle.weight[1], middle.weight[2]), key);
+            const float x = uv.x * corner[1].x + uv.y * corner[2].x,
+                        at = middle.weight[1] * corner[1].x + middle.weight[2] * corner[2].x;
+            EXPECT_LE(std::abs(x - at), 1.001f / static_cast<float>(1u << level));
+        }
+    EXPECT_NE(slice_key(slender, 77, true, 0, 0.2f, 0.2f), part_key(77, true, 0, 0.2f, 0.2f));
 }
 
 TEST(Anchors, RejectsMoreTrianglesThanNumbers)

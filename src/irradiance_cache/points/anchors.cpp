@@ -19,8 +19,8 @@ namespace {
 constexpr int k_bias = 1 << 17;
 constexpr std::uint64_t k_coordinate = (1u << 18) - 1;
 constexpr int k_level_bias = 32;
-// Part: bit 62: front | bit 61: near field | level (4 bits) | triangle (32) | index (16).
-constexpr int k_triangle_shift = 16, k_level_shift = 48;
+// Part: bit 62: front | bit 61: near field | bit 60: slice | level (4 bits) | triangle (32) | index (16).
+constexpr int k_triangle_shift = 16, k_level_shift = 48, k_slice_shift = 60;
 
 // The lattice is offset by these fractions of its spacing along the axes. Walls often stand at round coordinates, and
 // for a line within the plane of a wall, hits would depend on rounding.
@@ -137,15 +137,22 @@ PartDetail part_detail(float triangle_area, float spacing)
 
 AnchorKey part_key(std::uint32_t scene_triangle, bool front, std::uint32_t level, float u, float v)
 {
-    const std::uint64_t index = micro_index_at(std::clamp(u, 0.0f, 1.0f), std::clamp(v, 0.0f, 1.0f), level);
-    return (static_cast<std::uint64_t>(front) << 62) | (static_cast<std::uint64_t>(level) << k_level_shift) |
-           (static_cast<std::uint64_t>(scene_triangle) << k_triangle_shift) | index;
+    return key_of(
+        {scene_triangle, front, level, micro_index_at(std::clamp(u, 0.0f, 1.0f), std::clamp(v, 0.0f, 1.0f), level)});
+}
+
+AnchorKey key_of(const Part& part)
+{
+    return (static_cast<std::uint64_t>(part.front) << 62) | (static_cast<std::uint64_t>(part.slice) << k_slice_shift) |
+           (static_cast<std::uint64_t>(part.level) << k_level_shift) |
+           (static_cast<std::uint64_t>(part.triangle) << k_triangle_shift) | part.index;
 }
 
 Part part_of(AnchorKey key)
 {
     return {static_cast<std::uint32_t>(key >> k_triangle_shift), ((key >> 62) & 1) != 0,
-            static_cast<std::uint32_t>((key >> k_level_shift) & 15), static_cast<std::uint32_t>(key & 0xffff)};
+            static_cast<std::uint32_t>((key >> k_level_shift) & 15), static_cast<std::uint32_t>(key & 0xffff),
+            ((key >> k_slice_shift) & 1) != 0};
 }
 
 std::vector<std::uint32_t> first_triangles(const scene::Scene& scene)

@@ -84,6 +84,7 @@ struct Part {
     std::uint32_t triangle = 0;   // among all triangles of the scene
     bool front = true;            // by world winding
     std::uint32_t level = 0, index = 0;
+    bool slice = false;   // of a slender triangle (slices.h), not a micro-triangle
 };
 /// How often a triangle's sides are halved until a part is no larger than `spacing`.
 struct PartDetail {
@@ -93,6 +94,7 @@ struct PartDetail {
 inline constexpr std::uint32_t k_part_levels = 8;
 PartDetail part_detail(float triangle_area, float spacing);
 AnchorKey part_key(std::uint32_t scene_triangle, bool front, std::uint32_t level, float u, float v);
+AnchorKey key_of(const Part& part);
 Part part_of(AnchorKey key);
 /// By object: the number of its first triangle among all triangles of the scene.
 /// @throws MissingError  if there are more triangles than 32 bits can number

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "irradiance_cache/points/slices.h"
+
 namespace gnomon::irradiance_cache {
 
 namespace {
-
-constexpr float k_slender = 4;   // longest side of a slender triangle, in square roots of its area
 
 // The cross product of a triangle's sides.
 glm::vec3 cross_of(const ray::ObjectGeometry& geometry, std::uint32_t triangle)
@@ -29,6 +29,18 @@ void add_own_parts(const CacheFrame& frame, PartWeights& parts, const IndirectPo
     const float finer = frame.state->is_dynamic(point.object) ? 1.0f : frame.fade_in(detail.fraction);
     parts.add(part_key(triangle, front, detail.level, point.u, point.v), finer);
     if (finer < 1) parts.add(part_key(triangle, front, detail.level - 1, point.u, point.v), 1 - finer);
+}
+
+// Adds slices of a point's own triangle of about `spacing`, with so much weight in all.
+void add_slices(const CacheFrame& frame, PartWeights& parts, const IndirectPoint& point, const SlenderTriangle& slender,
+                bool front, float spacing, float weight)
+{
+    const std::uint32_t triangle = frame.triangles.first(point.object) + point.triangle;
+    const PartDetail detail = part_detail(slender.length * slender.length, spacing);
+    const float finer = frame.state->is_dynamic(point.object) ? 1.0f : frame.fade_in(detail.fraction);
+    parts.add(slice_key(slender, triangle, front, detail.level, point.u, point.v), weight * finer);
+    if (finer < 1)
+        parts.add(slice_key(slender, triangle, front, detail.level - 1, point.u, point.v), weight * (1 - finer));
 }
 
 }   // namespace
@@ -96,12 +108,27 @@ PartWeights select_far_parts(const CacheFrame& frame, const IndirectPoint& point
 PartWeights select_finer_parts(const CacheFrame& frame, const IndirectPoint& point)
 {
     const float spacing = frame.options.pixels_per_finer * point.width;
-    return select_parts(frame, point, spacing, spacing);
+    // Small triangles that are slender have slices of their own where they are longer than the spacing: the largest
+    // triangle around, or the middle of a long one, may lie far away.
+    glm::vec3 p[3];
+    frame.rays->geometry(point.object).corners(point.triangle, p);
+    const SlenderTriangle slender = slender_triangle(p);
+    const float sliced = is_slender(slender) ? frame.fade_in(slender.length / spacing - 1) : 0;
+    PartWeights parts;
+    if (sliced < 1) {
+        parts = select_parts(frame, point, spacing, spacing);
+        for (int i = 0; i < parts.count; ++i) parts.weight[i] *= 1 - sliced;
+    }
+    if (sliced > 0) {
+        const bool front = glm::dot(glm::cross(p[1] - p[0], p[2] - p[0]), point.geometric_normal) > 0;
+        add_slices(frame, parts, point, slender, front, spacing, sliced);
+    }
+    return parts;
 }
 
 PartWeights select_parts_of_mean(const CacheFrame& frame, const IndirectPoint& point)
 {
-    const float spacing = frame.options.pixels_per_own * point.width;
+    const float spacing = frame.options.pixels_per_mean * point.width;
     return select_parts(frame, point, spacing, spacing);
 }
 
@@ -110,13 +137,14 @@ PartWeights select_pixel_parts(const CacheFrame& frame, const IndirectPoint& poi
     glm::vec3 p[3];
     frame.rays->geometry(point.object).corners(point.triangle, p);
     const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
-    // Divide a slender triangle by its length: the middle of a part may lie far from the pixel, behind other geometry.
-    const float size = std::sqrt(0.5f * glm::length(cross));
-    const float longest = std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
-    const float by_length = longest > k_slender * size ? size / longest : 1.0f;
-    const float spacing = by_length * frame.options.pixels_per_own * point.width;
+    const float spacing = frame.options.pixels_per_own * point.width;
+    const SlenderTriangle slender = slender_triangle(p);
     PartWeights parts;
-    add_own_parts(frame, parts, point, cross, spacing);
+    // The middle of a long part may lie far from the pixel, behind other geometry.
+    if (is_slender(slender))
+        add_slices(frame, parts, point, slender, glm::dot(cross, point.geometric_normal) > 0, spacing, 1);
+    else
+        add_own_parts(frame, parts, point, cross, spacing);
     return parts;
 }
 

@@ -10,10 +10,10 @@
 
 namespace gnomon::irradiance_cache {
 
-/// Up to four parts with their weights.
+/// Up to five parts with their weights: of a small triangle, of two sizes of clusters, and of two sizes of slices.
 struct PartWeights {
-    AnchorKey key[4];
-    float weight[4];
+    AnchorKey key[5];
+    float weight[5];
     int count = 0;
     void add(AnchorKey k, float w);
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/micro_triangles.h"
+#include "irradiance_cache/points/slices.h"
 #include "ray/directions_above.h"
 #include "ray/origin.h"
 #include "ray/smooth_surface.h"
@@ -62,14 +63,22 @@ float place_part(const CacheFrame& frame, CachePoint& point)
     const ray::ObjectGeometry& geometry = frame.rays->geometry(object);
     glm::vec3 p[3];
     geometry.corners(triangle, p);
-    glm::dvec2 corner[3];
-    corners_of(micro_at(part.index, part.level), part.level, corner);
-    const glm::vec2 uv((corner[0] + corner[1] + corner[2]) / 3.0);
-    const float w = 1 - uv.x - uv.y;
     glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
     const float length = glm::length(normal);
     point.exists = length > 0;
     if (!point.exists) return 0;
+    glm::vec2 uv;
+    float size;
+    if (part.slice) {
+        const SliceMiddle middle = middle_of_slice(slender_triangle(p), part);
+        uv = {middle.weight[1], middle.weight[2]}, size = middle.size;
+    } else {
+        glm::dvec2 corner[3];
+        corners_of(micro_at(part.index, part.level), part.level, corner);
+        uv = (corner[0] + corner[1] + corner[2]) / 3.0;
+        size = std::sqrt(0.5f * length) / std::exp2(static_cast<float>(part.level));
+    }
+    const float w = 1 - uv.x - uv.y;
     normal /= part.front ? length : -length;
     point.position = w * p[0] + uv.x * p[1] + uv.y * p[2];
     point.lift = ray::origin_lift(p);
@@ -77,7 +86,6 @@ float place_part(const CacheFrame& frame, CachePoint& point)
     point.normal = shading_normal(geometry, triangle, w, uv.x, uv.y, normal);
     point.horizon = ray::smooth_horizon(normal, point.normal);
     point.smooth_lift = ray::smooth_lift(geometry, triangle, uv.x, uv.y, normal);
-    const float size = std::sqrt(0.5f * length) / std::exp2(static_cast<float>(part.level));
     if (!frame.state->is_dynamic(object)) return size;
     point.version = 0;   // its visible nodes change as it moves
     point.owner = frame.lights.owner_of(object);
