@@ -197,6 +197,9 @@ MUTATIONS = (
         "src/environment_light/part_directions.cpp", "glm::dot(direction(leaf, part), normal) > least",
         "glm::dot(direction(leaf, part), normal) < least", "property:PartDirections.*"),
     # ---- irradiance_cache
+    row("slices-never", "irradiance_cache", "slender triangles have parts of their own shape",
+        "src/irradiance_cache/points/slices.cpp", "triangle.height > 0 && triangle.length > k_slender * triangle.height",
+        "triangle.height > 0 && triangle.length > 1e9f * triangle.height", "property:SmallShapes.*"),
     row("bounced-flux", "irradiance_cache", "bounced flux is 10 % too low",
         "src/irradiance_cache/light_tree/light_tree.cpp",
         "leaf.flux = lighting::exitance_per_irradiance(scene, geometry, hits.triangle[i], u, v) * sample.irradiance *",
