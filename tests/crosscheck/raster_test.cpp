@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// LONG: all compare two frames of one scene, by the same few helpers.
 // The rasterised frame against the traced one, of the same scenes: surfaces, colours where no shadow is in doubt, and
 // hard shadows. Pixels that show mirrors or glass are left out: there the rasterised frame shows something else.
 #include "api/scene_access.h"
