@@ -268,7 +268,10 @@ TEST(AdaptiveSamples, WhatASurfaceMirrorsDoesNotFollowItsTexture)
         const Traced adaptive = traced(state, rays, over_the_floor(), options);
         const Traced many =
             traced(state, rays, over_the_floor(), {.samples = 64, .filter = PixelFilter::blackman_harris});
-        errors[bright ? 1 : 0] = rmse(adaptive.buffers.color.data, many.buffers.color.data);
+        // The lower rows show the floor alone.
+        const std::size_t from = std::size_t{48} * 80 * 3;
+        errors[bright ? 1 : 0] = rmse(std::span(adaptive.buffers.color.data).subspan(from),
+                                      std::span(many.buffers.color.data).subspan(from));
     }
     EXPECT_LT(errors[1], 1.2 * errors[0]) << errors[0];
 }
