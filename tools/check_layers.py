@@ -43,7 +43,7 @@ k_may_include = {
     "reference": k_rays | {"lighting", "visibility", "shading"},
     "trace": k_rays | {"image", "lighting", "visibility", "environment_light", "shading", "shadow_culling", "area_light",
                        "light_quadtree", "irradiance_cache"},
-    "raster": k_rays | {"vk", "gpu_scene", "lighting", "visibility", "shading", "light_views", "area_light",
+    "raster": k_rays | {"image", "vk", "gpu_scene", "lighting", "visibility", "shading", "light_views", "area_light",
                         "shadow_textures", "light_quadtree", "irradiance_cache"},
     "frame": k_frame,
     "api": k_frame | {"frame"},

@@ -21,7 +21,8 @@ namespace gnomon {
 inline constexpr int k_all_bounces = 1000;
 
 /// RenderOptions::samples: one sample per pixel, and more where something ends within a pixel, such as a shadow or an
-/// object. Rasterised frames, overlays, references and RenderOptions::as_printed have one sample per pixel instead.
+/// object. In rasterised frames, these are edges of opaque objects and textures; there, further samples take their
+/// light from pixels around. Overlays, references and RenderOptions::as_printed have one sample per pixel instead.
 inline constexpr int k_adaptive_samples = 0;
 
 /// Path-traced indirect light: slow, unbiased, and with an estimate of its error. Direct light is computed as without
@@ -53,7 +54,7 @@ struct RenderOptions {
     RenderMethod renderer = RenderMethod::trace;
     int max_depth = 10;                            // longest chain of reflections and refractions
     int samples = 1;                               // per pixel, or k_adaptive_samples
-    PixelFilter filter = PixelFilter::automatic;   // of traced frames; the rasteriser has automatic and box
+    PixelFilter filter = PixelFilter::automatic;   // the rasteriser has a wide one with adaptive samples only
     /// Motion blur: the angle by which a rotating shutter is open, in degrees; cinema has 180. It is open for this part
     /// of 360 of a frame's duration, around the frame's time, which is its middle. 0: frames show one moment. Not with
     /// references, overlays and ShadowCulling::paper; so for the aperture.

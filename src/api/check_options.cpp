@@ -80,8 +80,11 @@ void check_options(const RenderOptions& o)
     check_range("max depth is", o.max_depth, ranges::max_depth);
     if (o.samples != k_adaptive_samples) check_range("samples are", o.samples, ranges::samples);
     check_known("the pixel filter", o.filter, PixelFilter::blackman_harris);
-    if (o.renderer == RenderMethod::raster && o.filter != PixelFilter::automatic && o.filter != PixelFilter::box)
-        throw UsageError("a filter wider than the pixel is one of traced frames: not with the rasteriser");
+    if (o.renderer == RenderMethod::raster && o.samples != k_adaptive_samples && o.filter != PixelFilter::automatic &&
+        o.filter != PixelFilter::box)
+        throw UsageError(
+            "a filter wider than the pixel needs traced frames or adaptive samples: not with the rasteriser and "
+            "a fixed number");
     check_lens_and_shutter(o);
     if (o.reference) {
         check_range("spp is", o.reference->spp, ranges::spp);

@@ -98,9 +98,15 @@ FrameCounters FrameEngine::blur_raster(const scene::View& view, const Shutter& s
             pose(shutter, fraction);
             posed = shutter.view_at(*state_, fraction);
         }
-        const glm::vec2 at = trace::blur_sample({0, 0}, static_cast<std::uint32_t>(k), 1, false).lens;
-        if (!lens.sharp()) posed = scene::through_lens(posed, lens, at);
-        add(counters, render_raster(posed));
+        const trace::BlurSample sample = trace::blur_sample({0, 0}, static_cast<std::uint32_t>(k), 1, false);
+        if (!lens.sharp()) posed = scene::through_lens(posed, lens, sample.lens);
+        // With adaptive samples, the images are of different places in the pixels, so that all edges are clean.
+        if (options_.samples == k_adaptive_samples) {
+            const glm::vec2 place = 2.0f * (sample.offset - 0.5f);
+            posed.shift += glm::vec2(place.x / static_cast<float>(view.size.width),
+                                     -place.y / static_cast<float>(view.size.height));
+        }
+        add(counters, render_raster(posed, true));
         const std::vector<ImageF*> now = layers();
         sums.resize(now.size());
         for (std::size_t l = 0; l < now.size(); ++l) {
@@ -110,7 +116,7 @@ FrameCounters FrameEngine::blur_raster(const scene::View& view, const Shutter& s
     }
     // What is not averaged is that of the shutter's middle.
     if (posed_) pose(shutter, Shutter::k_middle);
-    add(counters, render_raster(view));
+    add(counters, render_raster(view, true));
     const std::vector<ImageF*> last = layers();
     for (std::size_t l = 0; l < last.size(); ++l)
         for (std::size_t i = 0; i < sums[l].size(); ++i)

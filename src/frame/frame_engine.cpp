@@ -452,10 +452,15 @@ bool FrameEngine::is_made(const scene::View& view, const RenderRequest& request)
     return made_->scene == scene_ && made_->view == view && made_->options == options_ && state_->changes().is_still();
 }
 
-FrameCounters FrameEngine::render_raster(const scene::View& view)
+// @param whole  one of many images that are averaged
+FrameCounters FrameEngine::render_raster(const scene::View& view, bool whole)
 {
     if (uses_environment()) raster_->use_environment(*environment_.of_frame(*state_, options_, true, false));
-    return raster_->render(*state_, view, *buffers_, {});
+    RasterAdaptive adaptive{.filter = filter_of(options_.filter, true), .exposure = {}};
+    if (options_.exposure) adaptive.exposure = static_cast<float>(*options_.exposure);
+    const bool refines =
+        !whole && options_.samples == k_adaptive_samples && plan_.shown == Shown::light && !options_.as_printed;
+    return raster_->render(*state_, view, *buffers_, {}, refines ? &adaptive : nullptr);
 }
 
 // Whether frames of the plan may light by an environment technique.

@@ -202,7 +202,7 @@ class FrameEngine {
     void fit_caches(const RenderOptions& options);
     void fit_rasterizer(const RenderOptions& options);
     bool is_made(const scene::View& view, const RenderRequest& request) const;
-    FrameCounters render_raster(const scene::View& view);
+    FrameCounters render_raster(const scene::View& view, bool whole = false);
     bool uses_environment() const;
     void list_changes();
     void pose(const Shutter& shutter, double fraction);

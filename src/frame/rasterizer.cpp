@@ -102,8 +102,10 @@ class VulkanRasterizer final : public Rasterizer {
         environment_->use(technique);
     }
     FrameCounters render(const scene::SceneState& state, const scene::View& view, shading::FrameBuffers& out,
-                         const Progress& progress) override
+                         const Progress& progress, const RasterAdaptive* adaptive) override
     {
+        options_.adaptive.reset();
+        if (adaptive) options_.adaptive = {.filter = adaptive->filter, .exposure = adaptive->exposure, .refine = {}};
         const FrameCounters counters = frame_.render(state, view, options_, out, progress);
         if (options_.ids) note_redrawn(state);
         return counters;

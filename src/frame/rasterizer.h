@@ -3,6 +3,7 @@
 // Interface of the rasterised frame, without Vulkan types: it exists whether the program is built with Vulkan or not.
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "base/tasks.h"
@@ -47,6 +48,12 @@ bool raster_has_suns_apart(const scene::Scene& scene, const RenderOptions& optio
 /// with size, or finds what surfaces that thin light let through.
 bool raster_needs_rays(const scene::Scene& scene, const RenderOptions& options);
 
+/// Adaptive samples (raster/edge_samples.h).
+struct RasterAdaptive {
+    PixelFilter filter = PixelFilter::blackman_harris;
+    std::optional<float> exposure;   // none: that of the image
+};
+
 class Rasterizer {
  public:
     virtual ~Rasterizer() = default;
@@ -59,8 +66,9 @@ class Rasterizer {
     /// After an exception the rasterizer must not be used again.
     /// @throws MissingError      too little device memory, or the device was lost
     /// @throws InterruptedError  progress returned false
+    /// @param adaptive  optional: samples where something ends, beside one of each pixel
     virtual FrameCounters render(const scene::SceneState& state, const scene::View& view, shading::FrameBuffers& out,
-                                 const Progress& progress) = 0;
+                                 const Progress& progress, const RasterAdaptive* adaptive = nullptr) = 0;
     /// Paints Overlay::redrawn over the last frame's colour, which becomes the shown image, within 0 to 1.
     virtual void paint_redrawn(double exposure, ImageF& color) const = 0;
     virtual std::string device() const = 0;

@@ -186,7 +186,8 @@ constexpr Option k_options[] = {
     {.name = "samples", .argument = "N|auto", .kind = Kind::integer_or_auto, .fallback = "auto", .range = ranges::samples,
      .subcommands = bit(render), .group = k_quality,
      .help = "samples per pixel. auto: one, and up to 16 more where something ends within the pixel: edges of objects and "
-             "of shadows, highlights, what mirrors show; one with --renderer raster, --reference, --overlay and --as-printed"},
+             "of shadows, highlights, what mirrors show; with --renderer raster, edges of opaque objects and textures; one "
+             "with --reference, --overlay and --as-printed"},
     {.name = "samples", .argument = "N|auto", .kind = Kind::integer_or_auto, .fallback = "1", .range = ranges::samples,
      .subcommands = bit(view), .group = k_quality, .help = "samples per pixel; auto: as of render"},
     {.name = "filter", .argument = "NAME", .kind = Kind::choice, .fallback = "auto", .choices = k_choices<PixelFilter>,

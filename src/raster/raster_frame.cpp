@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/check.h"
 #include "base/interruption.h"
 #include "raster/raster_formats.h"
 #include "raster/raster_view.h"
@@ -146,6 +147,7 @@ FrameCounters RasterFrame::render(const scene::SceneState& state, const scene::V
         store_sample(drawn, options, sample, out);
         report_progress("drawing", static_cast<double>(sample + 1) / options.samples);
     }
+    if (options.adaptive) refine_edges(view, options, out, counters);
     if (bounced_) counters.indirect = bounced_->end_frame();
     if (visibility_) visibility_->count(counters);
     if (sized_) counters.draws += sized_->draws();
@@ -227,6 +229,38 @@ RasterFrame::Drawn RasterFrame::draw_sample(const scene::View& view, const Raste
     drawn.counts = commands_.read_back(scene_.counts_buffer);
     commands_.submit();
     return drawn;
+}
+
+// Draws the surfaces at further places of the pixels, and makes the image of all samples.
+void RasterFrame::refine_edges(const scene::View& view, const RasterOptions& options, shading::FrameBuffers& out,
+                               FrameCounters& counters)
+{
+    GNOMON_CHECK(options.samples == 1);
+    EdgeSamples edges(*described_, view, out, options.layers, scene_.has_transparent(), options.backdrop_apart,
+                      *options.adaptive);
+    for (int number = -1; number < scene::k_refined_samples; ++number) {
+        const glm::vec2 offset = number < 0 ? glm::vec2(0.5f) : scene::refined_offset(number);
+        clear(color_, 0);
+        draw_ids(draw_push(view, offset, unlimited_far_));
+        resolve({offset, 1, 1, 0, 1});
+        const vk::Buffer position = commands_.read_back(surfaces_.position),
+                         normal = commands_.read_back(surfaces_.normal),
+                         diffuse = commands_.read_back(surfaces_.diffuse),
+                         specular = commands_.read_back(surfaces_.specular), ids = commands_.read_back(surfaces_.ids),
+                         own = commands_.read_back(color_);
+        commands_.submit();
+        const DrawnSurfaces drawn{position.as<float>(), normal.as<float>(),      diffuse.as<float>(),
+                                  specular.as<float>(), ids.as<std::uint32_t>(), own.as<float>()};
+        if (number < 0)
+            edges.set_centres(drawn);
+        else
+            edges.add(number, drawn);
+        report_progress("drawing", static_cast<double>(number + 2) / (scene::k_refined_samples + 1));
+    }
+    edges.resolve(out);
+    counters.samples.pixels += edges.refined();
+    counters.samples.taken += edges.refined() * std::uint64_t{scene::k_refined_samples};
+    forget_surfaces();
 }
 
 // Copies to the host's images what a sample has read back.

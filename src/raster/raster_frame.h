@@ -24,6 +24,7 @@
 
 #include "base/image.h"
 #include "gnomon/types.h"
+#include "raster/edge_samples.h"
 #include "raster/gbuffer.h"
 #include "raster/raster_shared.h"
 #include "raster/sized_direct.h"
@@ -42,6 +43,8 @@ struct RasterOptions {
     /// Leave what lies behind the scene out of `color`, and fill `alpha`, as trace::TracedOptions::backdrop_apart says.
     bool backdrop_apart = false;
     IdImage* ids = nullptr;   // optional: filled by the first sample
+    /// Samples where something ends (edge_samples.h), beside one of each pixel.
+    std::optional<AdaptiveOptions> adaptive = {};
 };
 
 class RasterFrame {
@@ -86,6 +89,8 @@ class RasterFrame {
     void begin_frame(const scene::SceneState& state, const scene::View& view, const RasterOptions& options);
     bool find_kept(const scene::View& view, const RasterOptions& options, const shared::RasterFrame& constants);
     Drawn draw_sample(const scene::View& view, const RasterOptions& options, int sample);
+    void refine_edges(const scene::View& view, const RasterOptions& options, shading::FrameBuffers& out,
+                      FrameCounters& counters);
     void store_sample(const Drawn& drawn, const RasterOptions& options, int sample, shading::FrameBuffers& out);
     void draw_ids(const shared::DrawPush& push);
     void peel(const shared::DrawPush& push, const vk::Image& last_depth, const vk::Image& depth);

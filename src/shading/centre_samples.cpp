@@ -40,8 +40,7 @@ bool CentreSamples::needs_more(int x, int y, const ImageF& color, const RefineOp
             if (!inside(nx, ny)) continue;
             const CentreSample& other = at(nx, ny);
             if (same_surface(own, other, options)) {
-                light[same++] =
-                    shown(relit(color_at(color, nx, ny), other.reflectance, own.reflectance), options.exposure);
+                light[same++] = shown(relit(color_at(color, nx, ny), other, own.reflectance), options.exposure);
                 continue;
             }
             // Something ends between the two.
@@ -64,7 +63,7 @@ bool CentreSamples::varies(int x, int y, const ImageF& color, const RefineOption
             if (!inside(x + dx, y + dy)) continue;
             const CentreSample& other = at(x + dx, y + dy);
             if (other.object != own.object || other.material != own.material) continue;
-            const glm::vec3 there = shown(relit(light, own.reflectance, other.reflectance), options.exposure);
+            const glm::vec3 there = shown(relit(light, own, other.reflectance), options.exposure);
             if (difference(here, there) > options.texture) return true;
         }
     return false;

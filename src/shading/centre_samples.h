@@ -27,23 +27,25 @@ struct CentreSample {
     // reflects what is around it at large.
     glm::vec3 reflectance{1};
     glm::vec3 mirror{0};                                        // the rest of its specular reflectance
+    glm::vec3 mirrored{0};                                      // radiance that the rest brings from other surfaces
     float width = 0;                                            // of the pixel at the surface, across the view
     std::uint32_t object = 0xffffffff, material = 0xffffffff;   // the highest number: it met nothing
     std::uint32_t triangle = 0;                                 // of the object
     bool textured = false;                                      // its reflectance may vary within a pixel
+    bool apart = false;                                         // what it mirrors does not follow its reflectance
     bool mirrors = false;   // part of its light comes from other surfaces, which it mirrors or lets through
 };
 
 struct RefineOptions {
-    float exposure = 1;          // factor that makes the image as bright as a display shows it
-    float edge = 0.06f;          // difference of neighbouring surfaces, as shown() has it, that one sample may hide
-    float light = 0.1f;          // likewise, of light on one surface
-    float agree = 0.08f;         // difference of light on one surface within which samples share it
-    float spread = 0.15f;        // difference of a pixel's samples of several surfaces from which on it has all of them
-    float light_spread = 0.3f;   // likewise, of samples of one surface, whose light must be computed
-    float same_normal = 0.9f;    // cosine between normals of neighbours on one surface
-    int texture_samples = 8;     // of a texture that differs from pixel to pixel; at most scene::k_refined_samples
-    float texture = 0.01f;       // difference by a neighbour's reflectance that one sample of a texture may hide
+    float exposure = 1;     // factor that makes the image as bright as a display shows it
+    float edge = 0.06f;     // difference of neighbouring surfaces, as shown() has it, that one sample may hide
+    float light = 0.1f;     // likewise, of light on one surface
+    float agree = 0.08f;    // difference of light on one surface within which samples share it
+    float spread = 0.15f;   // difference of a pixel's samples of several surfaces from which on it has all of them
+    float light_spread = 0.12f;   // likewise, of samples of one surface
+    float same_normal = 0.9f;     // cosine between normals of neighbours on one surface
+    int texture_samples = 8;      // of a texture that differs from pixel to pixel; at most scene::k_refined_samples
+    float texture = 0.01f;        // difference by a neighbour's reflectance that one sample of a texture may hide
     float off_plane = 1.0f;   // distance of a neighbour's position from the plane of a surface, in widths of the pixel
 };
 
@@ -61,11 +63,19 @@ inline float difference(const glm::vec3& a, const glm::vec3& b)
     return std::max({d.x, d.y, d.z});
 }
 
+/// Reflectance below which light is not divided by it.
+inline constexpr float k_least_reflectance = 0.02f;
+
 /// Light on a surface of reflectance `from`, on one of reflectance `to`.
 inline glm::vec3 relit(const glm::vec3& color, const glm::vec3& from, const glm::vec3& to)
 {
-    constexpr float k_least = 0.02f;   // reflectance below which colour is not divided by it
-    return color * ((to + k_least) / (from + k_least));
+    return color * ((to + k_least_reflectance) / (from + k_least_reflectance));
+}
+
+/// The light of a sample, on a surface of reflectance `to`: what it mirrors stays as it is.
+inline glm::vec3 relit(const glm::vec3& color, const CentreSample& sample, const glm::vec3& to)
+{
+    return relit(color - sample.mirrored, sample.reflectance, to) + sample.mirrored;
 }
 
 /// Whether two samples show one surface, over which light changes without a step.

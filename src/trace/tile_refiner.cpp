@@ -46,6 +46,7 @@ shading::CentreSample TileTracer::centre_sample(const shading::SurfacePoint& s, 
     sample.object = object;
     sample.material = scene_.meshes[scene_.objects[object].mesh].part_of(triangle).material;
     sample.triangle = triangle;
+    sample.apart = s.model == scene::ShadingModel::whitted;
     sample.textured = scene_.materials[sample.material].base_color_texture.used() && !s.layered;
     return sample;
 }
@@ -116,6 +117,13 @@ void TileTracer::add_single(const Tile& tile, const Refinement& refinement, cons
     refinement_ = nullptr;
 }
 
+// The light of the pixels around one that shows a texture, per reflectance, and how much of it they mirror.
+struct TileTracer::TextureLight {
+    std::array<int, 9> pixels;   // of 3 x 3, those that show the same surface
+    int count = 0;
+    glm::vec3 mirrored[9];
+};
+
 // Adds a pixel of one sample as several that differ by the texture alone.
 void TileTracer::add_texture(const glm::ivec2& at, const Refinement& refinement)
 {
@@ -124,22 +132,96 @@ void TileTracer::add_texture(const glm::ivec2& at, const Refinement& refinement)
     const std::size_t number = number_of(tile_);
     const int x = at.x - tile_.x, y = at.y - tile_.y;
     const shading::CentreSample& centre = refinement.centres.at(at.x, at.y);
+    TextureLight light;
+    find_texture_light(at, light);
     single_values(at);
     refinement.sums.add(number, x, y, refinement.weights[0], share, single_values_.data());
-    clear_sums(1);
-    values_.resize(static_cast<std::size_t>(refinement.sums.channels()));
     for (int k = 0; k < samples; ++k) {
-        const auto pixel = static_cast<std::uint32_t>(y * tile_.side + x);
         shading::CentreSample sample = centre;
-        const bool met = texture_sample(at, scene::refined_offset(k), sample);
-        if (!met || !take_agreed(0, {pixel, static_cast<std::uint32_t>(k), 0}, sample)) {
-            single_values(at);
-            add_share(0, sample, centre, 1, single_values_.data());
-        }
-        values_of(0, values_.data());
-        refinement.sums.add(number, x, y, refinement.weights[static_cast<std::size_t>(k) + 1], share, values_.data());
-        clear_sums(1);
+        texture_sample(at, scene::refined_offset(k), sample);
+        light_texture(light, scene::refined_offset(k) - 0.5f, sample);
+        refinement.sums.add(number, x, y, refinement.weights[static_cast<std::size_t>(k) + 1], share,
+                            single_values_.data());
     }
+}
+
+// Finds the pixels around one whose light its texture takes: those that show its surface, if they agree; else itself.
+void TileTracer::find_texture_light(const glm::ivec2& at, TextureLight& light)
+{
+    const shading::RefineOptions& options = refinement_->options;
+    const shading::CentreSample& own = refinement_->centres.at(at.x, at.y);
+    glm::vec3 low(k_infinity), high(0);
+    for (int i = 0; i < 9; ++i) {
+        const glm::ivec2 there = at + glm::ivec2(i % 3 - 1, i / 3 - 1);
+        if (!refinement_->centres.inside(there.x, there.y)) continue;
+        const shading::CentreSample& other = refinement_->centres.at(there.x, there.y);
+        if (!shading::same_surface(own, other, options)) continue;
+        const glm::vec3 seen = shading::shown(
+            shading::relit(vector_at(refinement_->single.color, there.x, there.y), other, own.reflectance),
+            options.exposure);
+        low = glm::min(low, seen), high = glm::max(high, seen);
+        light.pixels[static_cast<std::size_t>(light.count++)] = i;
+    }
+    if (shading::difference(high, low) > options.agree) light.pixels[0] = 4, light.count = 1;
+
+    // Divide by the reflectance: colour, direct and indirect light.
+    const auto channels = static_cast<std::size_t>(refinement_->sums.channels());
+    values_.resize(channels * 9);
+    for (int j = 0; j < light.count; ++j) {
+        const int i = light.pixels[static_cast<std::size_t>(j)];
+        const glm::ivec2 there = at + glm::ivec2(i % 3 - 1, i / 3 - 1);
+        const shading::CentreSample& other = refinement_->centres.at(there.x, there.y);
+        single_values(there);
+        light.mirrored[j] = other.mirrored;
+        for (int c = 0; c < 3; ++c) single_values_[static_cast<std::size_t>(c)] -= other.mirrored[c];
+        float* const to = values_.data() + static_cast<std::size_t>(j) * channels;
+        std::copy(single_values_.begin(), single_values_.end(), to);
+        const glm::vec3 by = 1.0f / (other.reflectance + shading::k_least_reflectance);
+        scale_light(to, by);
+    }
+}
+// Multiplies the light of a sample's values: colour, direct and indirect.
+void TileTracer::scale_light(float* values, const glm::vec3& by) const
+{
+    const int layers = options_.backdrop_apart ? 4 : 3;
+    for (int c = 0; c < 3; ++c) {
+        values[c] *= by[c];
+        if (options_.layers) values[layers + c] *= by[c], values[layers + 3 + c] *= by[c];
+    }
+}
+
+// Makes the values of a place of a texture, in single_values_.
+// @param offset  from the pixel's centre, in pixels
+void TileTracer::light_texture(const TextureLight& light, const glm::vec2& offset, const shading::CentreSample& sample)
+{
+    // Interpolate as take_agreed() does.
+    float weights[9], sum = 0;
+    for (int j = 0; j < light.count; ++j) {
+        const int i = light.pixels[static_cast<std::size_t>(j)];
+        const glm::vec2 there(i % 3 - 1, i / 3 - 1);
+        weights[j] = light.count == 9 ? second_order(offset.x, i % 3) * second_order(offset.y, i / 3)
+                                      : nearness(offset.x - there.x) * nearness(offset.y - there.y);
+        sum += weights[j];
+    }
+    const auto channels = static_cast<std::size_t>(refinement_->sums.channels());
+    single_values_.assign(channels, 0);
+    glm::vec3 mirrored(0);
+    for (int j = 0; j < light.count; ++j) {
+        const float weight = weights[j] / sum;
+        const float* const from = values_.data() + static_cast<std::size_t>(j) * channels;
+        for (std::size_t c = 0; c < channels; ++c) single_values_[c] += weight * from[c];
+        mirrored += weight * light.mirrored[j];
+    }
+    scale_light(single_values_.data(), sample.reflectance + shading::k_least_reflectance);
+    for (int c = 0; c < 3; ++c) single_values_[static_cast<std::size_t>(c)] += mirrored[c];
+
+    // The parabolas may leave what is possible.
+    for (float& value : single_values_) value = std::max(value, 0.0f);
+    if (!options_.layers) return;
+    const std::size_t layers = options_.backdrop_apart ? 4 : 3;
+    const glm::vec3 albedo = sample.reflectance + sample.mirror;
+    for (std::size_t c = 0; c < 3; ++c) single_values_[layers + 6 + c] = albedo[static_cast<int>(c)];
+    for (std::size_t c = layers + 9; c < channels; ++c) single_values_[c] = std::min(single_values_[c], 1.0f);
 }
 
 // What the surface of a pixel's centre shows elsewhere in the pixel, in the plane of its triangle.
@@ -257,20 +339,21 @@ void TileTracer::shade_samples(std::span<const FurtherSample> samples)
 // @return  false: its light must be computed
 bool TileTracer::take_light(const TilePoint& point, scene::ObjectId object, std::uint32_t triangle)
 {
-    const shading::CentreSample own = centre_sample(point.surface, object, triangle);
-    met_[point.pixel] = own;
-    // The last samples of a pixel of one surface are there for its light.
+    shading::CentreSample& own = met_[point.pixel];
+    own = centre_sample(point.surface, object, triangle);
+    // The last samples of a pixel of one surface are there for its light, which must agree.
     const FurtherSample& sample = samples_[point.pixel];
     const bool first = sample.number < scene::k_first_refined_samples;
-    const bool taken =
-        first || !refined_[sample.refined].several ? take_agreed(point.pixel, sample, own) : take_nearest(point, own);
+    const bool several = refined_[sample.refined].several;
+    bool taken = (first || !several) && take_agreed(sample, point.pixel, own);
+    if (!first && !taken) taken = take_nearest(point, own, !several);
     if (!taken) ++counters_.samples.shaded;
     return taken;
 }
 
 // Takes the light of the pixels around a sample that show the same surface, if these agree.
 // @param to  its number in the sums
-bool TileTracer::take_agreed(std::uint32_t to, const FurtherSample& sample, const shading::CentreSample& own)
+bool TileTracer::take_agreed(const FurtherSample& sample, std::uint32_t to, shading::CentreSample& own)
 {
     const shading::RefineOptions& options = refinement_->options;
     const shading::FrameBuffers& single = refinement_->single;
@@ -289,8 +372,7 @@ bool TileTracer::take_agreed(std::uint32_t to, const FurtherSample& sample, cons
         const shading::CentreSample& other = refinement_->centres.at(there.x, there.y);
         if (!shading::same_surface(own, other, options)) continue;
         const glm::vec3 seen = shading::shown(
-            shading::relit(vector_at(single.color, there.x, there.y), other.reflectance, own.reflectance),
-            options.exposure);
+            shading::relit(vector_at(single.color, there.x, there.y), other, own.reflectance), options.exposure);
         low = glm::min(low, seen), high = glm::max(high, seen);
         ++same;
         const glm::vec2 apart = offset - glm::vec2(there - at);
@@ -324,37 +406,57 @@ bool TileTracer::take_agreed(std::uint32_t to, const FurtherSample& sample, cons
 
 // Takes the light of the samples near a sample that show the same surface: those at the centres of the pixels around
 // it, and the first few of its own pixel.
-bool TileTracer::take_nearest(const TilePoint& point, const shading::CentreSample& own)
+// @param agreed  only if the nearest of them agree
+bool TileTracer::take_nearest(const TilePoint& point, shading::CentreSample& own, bool agreed)
 {
     constexpr int k_first = scene::k_first_refined_samples;
     constexpr float k_least_square = 1e-4f;   // of a distance in pixels
+    constexpr std::size_t k_nearest = 3;      // that must agree
     const FurtherSample& sample = samples_[point.pixel];
     const glm::ivec2 at = tile_.pixel_of_image(sample.pixel);
     const glm::vec2 offset = scene::refined_offset(static_cast<int>(sample.number));
     const shading::CentreSample* const known = known_.data() + sample.refined * std::size_t{k_first};
 
     // Weigh them by the inverse square of the squared distance.
+    const auto channels = static_cast<std::size_t>(refinement_->sums.channels());
+    const float* const first_values = values_.data() + sample.refined * scene::k_refined_samples * channels;
     float weights[9 + k_first];
     float sum = 0;
+    std::array<std::pair<float, glm::vec3>, k_nearest> nearest;
+    nearest.fill({k_infinity, glm::vec3(0)});
     for (int i = 0; i < 9 + k_first; ++i) {
         weights[i] = 0;
         glm::vec2 apart;
         const shading::CentreSample* other = nullptr;
+        glm::vec3 color;
         if (i < 9) {
             const glm::ivec2 there = at + glm::ivec2(i % 3 - 1, i / 3 - 1);
             if (!refinement_->centres.inside(there.x, there.y)) continue;
             other = &refinement_->centres.at(there.x, there.y);
             apart = offset - 0.5f - glm::vec2(there - at);
+            color = vector_at(refinement_->single.color, there.x, there.y);
         } else {
             other = known + (i - 9);
             apart = offset - scene::refined_offset(i - 9);
+            const float* const values = first_values + static_cast<std::size_t>(i - 9) * channels;
+            color = {values[0], values[1], values[2]};
         }
         if (!shading::same_surface(own, *other, refinement_->options)) continue;
         const float square = glm::dot(apart, apart) + k_least_square;
         sum += weights[i] = 1 / (square * square);
+        if (!agreed || !(square < nearest.back().first)) continue;
+        nearest.back() = {
+            square, shading::shown(shading::relit(color, *other, own.reflectance), refinement_->options.exposure)};
+        for (std::size_t k = k_nearest - 1; k > 0 && nearest[k].first < nearest[k - 1].first; --k)
+            std::swap(nearest[k], nearest[k - 1]);
     }
     if (!(sum > 0)) return false;
-    const auto channels = static_cast<std::size_t>(refinement_->sums.channels());
+    if (agreed) {
+        if (nearest.back().first == k_infinity) return false;
+        glm::vec3 low(k_infinity), high(0);
+        for (const auto& [square, color] : nearest) low = glm::min(low, color), high = glm::max(high, color);
+        if (shading::difference(high, low) > refinement_->options.agree) return false;
+    }
     for (int i = 0; i < 9 + k_first; ++i) {
         if (weights[i] == 0) continue;
         if (i < 9) {
@@ -363,9 +465,8 @@ bool TileTracer::take_nearest(const TilePoint& point, const shading::CentreSampl
             add_share(point.pixel, own, refinement_->centres.at(there.x, there.y), weights[i] / sum,
                       single_values_.data());
         } else {
-            const std::size_t from =
-                sample.refined * std::size_t{scene::k_refined_samples} + static_cast<std::size_t>(i - 9);
-            add_share(point.pixel, own, known[i - 9], weights[i] / sum, values_.data() + from * channels);
+            add_share(point.pixel, own, known[i - 9], weights[i] / sum,
+                      first_values + static_cast<std::size_t>(i - 9) * channels);
         }
     }
     return true;
@@ -373,20 +474,20 @@ bool TileTracer::take_nearest(const TilePoint& point, const shading::CentreSampl
 
 // Adds a share of what another sample showed of a surface, at a sample's own reflectance.
 // @param values  in the order of averaged_layers()
-void TileTracer::add_share(std::uint32_t to, const shading::CentreSample& own, const shading::CentreSample& of,
-                           float weight, const float* values)
+void TileTracer::add_share(std::uint32_t to, shading::CentreSample& own, const shading::CentreSample& of, float weight,
+                           const float* values)
 {
-    const auto take = [&] {
-        const glm::vec3 light =
-            weight * shading::relit({values[0], values[1], values[2]}, of.reflectance, own.reflectance);
+    const auto take = [&](const glm::vec3& mirrored) {
+        const glm::vec3 light(values[0], values[1], values[2]);
         values += 3;
-        return light;
+        return weight * (shading::relit(light - mirrored, of.reflectance, own.reflectance) + mirrored);
     };
-    color_[to] += take();
+    color_[to] += take(of.mirrored);
+    own.mirrored += weight * of.mirrored;
     if (options_.backdrop_apart) backdrop_[to] += glm::vec3(weight * (1 - *values++));
     if (!options_.layers) return;
-    direct_[to] += take();
-    indirect_color_[to] += take();
+    direct_[to] += take(glm::vec3(0));
+    indirect_color_[to] += take(glm::vec3(0));
     albedo_[to] += weight * (own.reflectance + own.mirror);
     values += 3;
     const std::size_t lights = scene_.lights.size();

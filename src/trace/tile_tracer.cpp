@@ -140,10 +140,30 @@ void TileTracer::shade_sample(int sample, Stopwatch& watch)
     watch.end(FrameTimes::indirect);
 
     // Do the same for mirrored and refracted rays, one depth after the other, and for the rays of lobes.
+    const bool notes = refinement_ || (centres_ && sample == 0 && !blur_);
+    const std::vector<glm::vec3> without = notes ? color_ : std::vector<glm::vec3>();
     keep_lobes(sample);
     queue_continuations(true);
     follow_paths(sample, watch);
     trace_lobes(sample, watch);
+    if (notes) note_mirrored(without);
+}
+
+// Keeps what samples mirror apart from their other light.
+// @param without  their light without it
+void TileTracer::note_mirrored(std::span<const glm::vec3> without)
+{
+    if (refinement_) {
+        for (std::size_t i = 0; i < without.size(); ++i)
+            if (met_[i].apart) met_[i].mirrored += color_[i] - without[i];
+        return;
+    }
+    for (int y = 0; y < tile_.height; ++y)
+        for (int x = 0; x < tile_.width; ++x) {
+            const auto i = static_cast<std::size_t>(y * tile_.side + x);
+            shading::CentreSample& centre = centres_->at(tile_.x + x, tile_.y + y);
+            if (centre.apart) centre.mirrored = color_[i] - without[i];
+        }
 }
 
 // Adds the light of what has a size, and bounced light, to the points [first, end): see light_some().

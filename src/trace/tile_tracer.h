@@ -101,11 +101,15 @@ class TileTracer {
     void shade_samples(std::span<const FurtherSample> samples);
     void take_samples(const Refinement& refinement, std::span<const std::uint32_t> refined, int first, int end);
     bool take_light(const TilePoint& point, scene::ObjectId object, std::uint32_t triangle);
-    bool take_agreed(std::uint32_t to, const FurtherSample& sample, const shading::CentreSample& own);
+    bool take_agreed(const FurtherSample& sample, std::uint32_t to, shading::CentreSample& own);
+    struct TextureLight;
     void add_texture(const glm::ivec2& at, const Refinement& refinement);
+    void find_texture_light(const glm::ivec2& at, TextureLight& light);
+    void light_texture(const TextureLight& light, const glm::vec2& offset, const shading::CentreSample& sample);
+    void scale_light(float* values, const glm::vec3& by) const;
     bool texture_sample(const glm::ivec2& at, const glm::vec2& offset, shading::CentreSample& sample) const;
-    bool take_nearest(const TilePoint& point, const shading::CentreSample& own);
-    void add_share(std::uint32_t to, const shading::CentreSample& own, const shading::CentreSample& of, float weight,
+    bool take_nearest(const TilePoint& point, shading::CentreSample& own, bool agreed);
+    void add_share(std::uint32_t to, shading::CentreSample& own, const shading::CentreSample& of, float weight,
                    const float* values);
     // Light of first samples that is interpolated between pixels (tile_lattice.cpp).
     struct Around;
@@ -142,6 +146,7 @@ class TileTracer {
     void queue_primary(int sample);
     void queue_camera_ray(std::uint32_t pixel, const glm::vec2& at);
     void shade_sample(int sample, Stopwatch& watch);
+    void note_mirrored(std::span<const glm::vec3> without);
     void trace_queue(const PathQueue& queue);
     void shade_hits(const PathQueue& queue, bool primary, int sample, bool last_depth);
     void sort_hits(std::size_t count);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// LONG: all compare two frames of one scene, by the same few helpers.
 // The rasterised frame against the traced one, of the same scenes: surfaces, colours where no shadow is in doubt, and
 // hard shadows. Pixels that show mirrors or glass are left out: there the rasterised frame shows something else.
 #include "api/scene_access.h"
@@ -480,6 +481,42 @@ TEST_F(RasterCrosscheck, SingularTransformsAreHandledAsInTheTracedFrame)
 }
 
 // What is remembered changes nothing: a video's frames are those of fresh renderers, by all three methods.
+double error_of(const Frame& image, const Frame& truth, const std::string& name)
+{
+    const std::span<const float> a = layer(image, name).values(), b = layer(truth, name).values();
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * static_cast<double>(a[i] - b[i]);
+    return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+// Against 64 samples that are all shaded. What is not averaged stays that of the pixels' centres.
+TEST_F(RasterCrosscheck, AdaptiveSamplesCleanEdges)
+{
+    for (const char* name : {"builtin:cornell", "builtin:spheres?objects=20&dynamic=20&vertices=200"}) {
+        const Scene scene = load(name);
+        RenderOptions options = options_of(RenderMethod::raster, {96, 64});
+        options.filter = PixelFilter::box;
+        options.background = BackgroundKind::transparent;
+        options.samples = 1;
+        const Frame one = Renderer(options).render(scene, 2);
+        options.samples = 64;
+        const Frame many = Renderer(options).render(scene, 2);
+        options.samples = k_adaptive_samples;
+        Renderer renderer(options);
+        const Frame adaptive = renderer.render(scene, 2);
+        EXPECT_LT(error_of(adaptive, many, ""), 0.6 * error_of(one, many, "")) << name;
+        EXPECT_LT(error_of(adaptive, many, "alpha"), 0.6 * error_of(one, many, "alpha") + 1e-6) << name;
+        EXPECT_LT(error_of(adaptive, many, "albedo"), error_of(one, many, "albedo")) << name;
+        EXPECT_EQ(error_of(adaptive, one, "depth"), 0) << name;
+        EXPECT_GT(adaptive.counters.samples.pixels, 0u) << name;
+        EXPECT_LT(adaptive.counters.samples.pixels, 96u * 64u / 2) << name;
+        // The same bytes once more, and without layers.
+        EXPECT_EQ(error_of(renderer.render(scene, 2), adaptive, ""), 0) << name;
+        options.layers = false;
+        EXPECT_EQ(error_of(Renderer(options).render(scene, 2), adaptive, ""), 0) << name;
+    }
+}
+
 TEST_F(RasterCrosscheck, FramesOfAVideoEqualFreshRenderers)
 {
     const Scene scene = load("builtin:cornell");
