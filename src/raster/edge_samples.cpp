@@ -100,23 +100,13 @@ void EdgeSamples::set_centres(const DrawnSurfaces& drawn)
         for (int x = 0; x < size.width; ++x, ++pixel) {
             const bool more = centres_.needs_more(x, y, single_.color, options_.refine) ||
                               centres_.varies(x, y, single_.color, options_.refine) ||
-                              (alpha_ >= 0 && covered_in_part(x, y));
+                              (alpha_ >= 0 && centres_.covered_in_part(x, y));
             selected_[pixel] = more ? 1 : 0;
             refined_ += more ? 1 : 0;
             values_at(x, y, values.data());
             add_values(x, y, more ? centre : lone, more ? k_share : 1, values.data());
         }
     }
-}
-
-// Whether a pixel or one around it shows the background, and another does not: alpha differs whatever their light is.
-bool EdgeSamples::covered_in_part(int x, int y) const
-{
-    const bool own = centres_.at(x, y).width > 0;
-    for (int dy = -1; dy <= 1; ++dy)
-        for (int dx = -1; dx <= 1; ++dx)
-            if (centres_.inside(x + dx, y + dy) && (centres_.at(x + dx, y + dy).width > 0) != own) return true;
-    return false;
 }
 
 void EdgeSamples::add(int number, const DrawnSurfaces& drawn)

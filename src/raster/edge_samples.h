@@ -5,9 +5,8 @@
 // 1. Each pixel is shaded at its centre.
 // 2. The surfaces alone are drawn at 16 further places of all pixels (scene::refined_offset()).
 // 3. In pixels in which something ends (shading/centre_samples.h), a further sample takes the light of the pixels
-// around
-//    it that show its surface, at its own reflectance; near ones count most. Where the background is seen, the sample
-//    shows it.
+//    around it that show its surface, at its own reflectance; near ones count most. Where the background is seen, the
+//    sample shows it.
 // 4. A filter makes the pixels of all samples (image/pixel_filter.h).
 //
 // What no pixel around shows at its centre is not found: something thinner than a pixel has gaps. Where a scene has
@@ -60,7 +59,6 @@ class EdgeSamples {
 
  private:
     shading::CentreSample surface_at(const DrawnSurfaces& drawn, std::size_t pixel) const;
-    bool covered_in_part(int x, int y) const;
     void values_at(int x, int y, float* values) const;
     bool take_light(int x, int y, const glm::vec2& offset, const shading::CentreSample& own, float* values) const;
     void add_values(int x, int y, const image::SampleWeights& weights, float share, const float* values);

@@ -53,6 +53,15 @@ bool CentreSamples::needs_more(int x, int y, const ImageF& color, const RefineOp
     return false;
 }
 
+bool CentreSamples::covered_in_part(int x, int y) const
+{
+    const bool own = at(x, y).width > 0;
+    for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx)
+            if (inside(x + dx, y + dy) && (at(x + dx, y + dy).width > 0) != own) return true;
+    return false;
+}
+
 bool CentreSamples::varies(int x, int y, const ImageF& color, const RefineOptions& options) const
 {
     const CentreSample& own = at(x, y);

@@ -98,6 +98,10 @@ class CentreSamples {
     /// @param color  3 channels: the light of the samples
     bool needs_more(int x, int y, const ImageF& color, const RefineOptions& options) const;
 
+    /// Whether a pixel or one around it shows what lies behind the scene, and another does not: alpha differs there,
+    /// whatever their light is.
+    bool covered_in_part(int x, int y) const;
+
     /// Whether a pixel shows a texture that differs from pixel to pixel, so that one sample of it is not its mean.
     /// @param color  as above
     bool varies(int x, int y, const ImageF& color, const RefineOptions& options) const;

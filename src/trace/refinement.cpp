@@ -9,12 +9,14 @@ namespace gnomon::trace {
 
 void RefinedPixels::select(const Refinement& refinement, Tasks& tasks)
 {
+    const bool alpha = !refinement.single.alpha.data.empty();
     tasks.for_each(static_cast<std::size_t>(state_.height), [&](std::size_t row, int) {
         interruption_point();
         const int y = static_cast<int>(row);
         for (int x = 0; x < state_.width; ++x)
             if (*state_.pixel(x, y) != k_left_out &&
-                refinement.centres.needs_more(x, y, refinement.single.color, refinement.options))
+                (refinement.centres.needs_more(x, y, refinement.single.color, refinement.options) ||
+                 (alpha && refinement.centres.covered_in_part(x, y))))
                 *state_.pixel(x, y) = k_selected;
     });
 }

@@ -61,7 +61,8 @@ void TileTracer::refine(const Tile& tile, const Refinement& refinement, RefinedP
     values_.resize(refined_.size() * k_all * channels);
     known_.resize(refined_.size() * k_first);
 
-    // Take a few samples of each pixel, and the others where these differ.
+    // Take a few samples of each pixel, and the others where these differ, in what they cover if there is alpha.
+    const bool alpha = !refinement.single.alpha.data.empty();
     std::vector<std::uint32_t> chosen(refined_.size());
     for (std::uint32_t r = 0; r < refined_.size(); ++r) chosen[r] = r;
     take_samples(refinement, chosen, 0, k_first);
@@ -70,13 +71,17 @@ void TileTracer::refine(const Tile& tile, const Refinement& refinement, RefinedP
         glm::vec3 low = shading::shown(vector_at(refinement.single.color, at.x, at.y), refinement.options.exposure);
         glm::vec3 high = low;
         bool& several = refined_[r].several;
+        const bool covered = refinement.centres.at(at.x, at.y).width > 0;
+        bool covered_in_part = false;
         for (std::size_t k = 0; k < k_first; ++k) {
             const float* const v = values_.data() + (r * k_all + k) * channels;
             const glm::vec3 c = shading::shown({v[0], v[1], v[2]}, refinement.options.exposure);
             low = glm::min(low, c), high = glm::max(high, c);
             several = several || !shading::same_surface(refinement.centres.at(at.x, at.y), known_[r * k_first + k],
                                                         refinement.options);
+            covered_in_part = covered_in_part || (known_[r * k_first + k].width > 0) != covered;
         }
+        if (alpha && covered_in_part) return false;
         const shading::RefineOptions& options = refinement.options;
         return shading::difference(high, low) <= (several ? options.spread : options.light_spread);
     });
