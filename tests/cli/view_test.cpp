@@ -130,7 +130,7 @@ TEST(View, ShowsTheRasterisedFrame)
                             "await gnomon-0001.png\nkey Escape\n");
     ASSERT_EQ(seen.code, 0) << seen.err;
     const Outcome rendered = run({"render", "builtin:cornell", "--frame", "1", "--size", "320x240", "--renderer",
-                                  "raster", "-o", folder / "render.png"});
+                                  "raster", "--samples", "1", "-o", folder / "render.png"});
     ASSERT_EQ(rendered.code, 0) << rendered.err;
     EXPECT_EQ(io::read_image(folder / "gnomon-0001.png").data, io::read_image(folder / "render.png").data);
 }
@@ -166,7 +166,7 @@ TEST(View, ShowsRedrawnTexels)
     EXPECT_LT(reds, 2000);
     EXPECT_EQ(others, 0);
     const Outcome plain = run({"render", "builtin:cornell", "--frame", "2", "--size", "320x240", "--renderer", "raster",
-                               "-o", folder / "plain.png"});
+                               "--samples", "1", "-o", folder / "plain.png"});
     ASSERT_EQ(plain.code, 0) << plain.err;
     EXPECT_EQ(io::read_image(folder / "gnomon-0003.png").data, io::read_image(folder / "plain.png").data);
 }

@@ -165,9 +165,9 @@ TEST(VulkanProgram, DeviceFaultsAreCode4OneLineAndCompleteFrames)
         bool begins;   // so late that there are frames
     };
     for (const Fault& fault :
-         {Fault{"lost:1", "lost", false}, Fault{"lost:20", "lost", true},
+         {Fault{"lost:1", "lost", false}, Fault{"lost:60", "lost", true},
           Fault{"waiting:1", "waiting for the device failed", false},
-          Fault{"waiting:18", "waiting for the device failed", true}, Fault{"memory:1", "out of device memory", false},
+          Fault{"waiting:58", "waiting for the device failed", true}, Fault{"memory:1", "out of device memory", false},
           Fault{"memory:4", "out of device memory", false}, Fault{"feature", "multiDrawIndirect", false},
           Fault{"extension", "VK_KHR_push_descriptor", false}}) {
         SCOPED_TRACE(fault.name);
