@@ -15,7 +15,7 @@ Projection::Projection(const Camera& camera, const glm::vec2& size)
 {
     const auto& m = camera.transform.m;
     for (int axis = 0; axis < 3; ++axis) {
-        const auto first = static_cast<std::size_t>(4 * axis);
+        const auto first = 4 * static_cast<std::size_t>(axis);
         const glm::vec3 column(glm::dvec3(m[first], m[first + 1], m[first + 2]));
         if (glm::length(column) > 0) axes_[axis] = glm::normalize(column);
     }

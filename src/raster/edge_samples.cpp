@@ -165,7 +165,8 @@ bool EdgeSamples::take_light(int x, int y, const glm::vec2& offset, const shadin
             values_at(x + dx, y + dy, there.data());
             const glm::vec3 by = shading::relit(glm::vec3(1), other.reflectance, own.reflectance);
             for (const int first : {0, direct_, indirect_})
-                for (int c = 0; c < 3 && first >= 0; ++c) there[static_cast<std::size_t>(first + c)] *= by[c];
+                for (int c = 0; c < 3 && first >= 0; ++c)
+                    there[static_cast<std::size_t>(first) + static_cast<std::size_t>(c)] *= by[c];
             for (std::size_t c = 0; c < channels; ++c) values[c] += weight * there[c];
         }
     if (!(sum > 0)) return false;
@@ -179,8 +180,9 @@ bool EdgeSamples::take_light(int x, int y, const glm::vec2& offset, const shadin
 void EdgeSamples::add_values(int x, int y, const image::SampleWeights& weights, float share, const float* values)
 {
     const int columns = (centres_.size().width + k_tile - 1) / k_tile;
-    sums_.add(static_cast<std::size_t>(y / k_tile * columns + x / k_tile), x % k_tile, y % k_tile, weights, share,
-              values);
+    sums_.add(
+        static_cast<std::size_t>(y / k_tile) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(x / k_tile),
+        x % k_tile, y % k_tile, weights, share, values);
 }
 
 void EdgeSamples::resolve(shading::FrameBuffers& out) const
@@ -190,7 +192,7 @@ void EdgeSamples::resolve(shading::FrameBuffers& out) const
     std::vector<ImageF*> to;
     for (ImageF* layer : {&out.color, &out.alpha, &out.direct, &out.indirect, &out.albedo, &out.shadow})
         if (std::find(layers_.begin(), layers_.end(), layer) != layers_.end()) to.push_back(layer);
-    for (std::size_t tile = 0; tile < static_cast<std::size_t>(columns * rows); ++tile)
+    for (std::size_t tile = 0; tile < static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); ++tile)
         sums_.resolve(tile, [&](int x, int y, const float* values) {
             for (ImageF* layer : to) {
                 std::copy_n(values, layer->channels, layer->pixel(x, y));

@@ -323,7 +323,8 @@ UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light
                 const glm::vec3 corner[4] = {face.at(u, v), face.at(u + size, v), face.at(u + size, v + size),
                                              face.at(u, v + size)};
                 sum->add(seen_from(s.position, corner, 4),
-                         light.cell_radiance[static_cast<std::size_t>(j * light.cells + i)]);
+                         light.cell_radiance[static_cast<std::size_t>(j) * static_cast<std::size_t>(light.cells) +
+                                             static_cast<std::size_t>(i)]);
             }
     }
     return sum ? sum->result() : UnshadowedLight{};
