@@ -22,13 +22,6 @@ glm::vec3 unit(int axis)
     return result;
 }
 
-glm::dmat4 matrix_of(const Transform& transform)
-{
-    glm::dmat4 matrix;
-    for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = transform.m[static_cast<std::size_t>(i)];
-    return matrix;
-}
-
 float distance_to(const std::vector<glm::vec2>& line, const glm::vec2& place)
 {
     float nearest = k_infinity;

@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "viewer/orbit_camera.h"
+#include "viewer/projection.h"
 
 namespace gnomon::viewer {
 
@@ -46,16 +47,6 @@ void tooltip(std::string_view text)
     ImGui::TextUnformatted(text.data(), text.data() + text.size());
     ImGui::PopTextWrapPos();
     ImGui::EndTooltip();
-}
-
-glm::vec3 moved_by(const Transform& transform, const glm::vec3& point)
-{
-    glm::dvec3 result;
-    for (std::size_t row = 0; row < 3; ++row)
-        result[static_cast<int>(row)] = transform.m[row] * static_cast<double>(point.x) +
-                                        transform.m[4 + row] * static_cast<double>(point.y) +
-                                        transform.m[8 + row] * static_cast<double>(point.z) + transform.m[12 + row];
-    return glm::vec3(result);
 }
 
 void line(const std::string& text)
@@ -339,7 +330,7 @@ UserOverride& Panel::freeze(OverrideList& overrides)
 {
     if (UserOverride* const known = overrides.find(picked->node)) return *known;
     UserOverride made{picked->node, picked->transform};
-    made.pivot = moved_by(picked->transform, picked->pivot);
+    made.pivot = glm::vec3(matrix_of(picked->transform) * glm::dvec4(glm::dvec3(picked->pivot), 1));
     overrides.list.push_back(made);
     frozen.insert(picked->name);
     return overrides.list.back();

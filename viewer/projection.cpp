@@ -11,6 +11,13 @@ constexpr float k_least_depth = 1e-6f;
 
 }   // namespace
 
+glm::dmat4 matrix_of(const Transform& transform)
+{
+    glm::dmat4 matrix;
+    for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = transform.m[static_cast<std::size_t>(i)];
+    return matrix;
+}
+
 Projection::Projection(const Camera& camera, const glm::vec2& size)
 {
     const auto& m = camera.transform.m;

@@ -9,6 +9,8 @@
 
 namespace gnomon::viewer {
 
+glm::dmat4 matrix_of(const Transform& transform);
+
 class Projection {
  public:
     /// @param size  of the image that the camera makes, in any unit

@@ -95,13 +95,6 @@ std::uint32_t layer_value_of(const Scene& scene, const InstanceId& instance, con
     return 0;
 }
 
-glm::dmat4 matrix_of(const Transform& transform)
-{
-    glm::dmat4 matrix;
-    for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = transform.m[static_cast<std::size_t>(i)];
-    return matrix;
-}
-
 // The origin of a picked node's space, if that is where the image shows the object, or else what was clicked at; in
 // that space.
 glm::vec3 pivot_of(const Picked& picked, const ViewImage& image)
