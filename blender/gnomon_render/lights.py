@@ -65,11 +65,14 @@ def read_light(light, evaluator: Evaluator, warn: Callable[[str], None]) -> Opti
         return MadeLight("area", {"name": name, "shape": "sphere", "width": 2 * radius, "height": 2 * radius,
                                   "radiance": units.sphere_radiance(color, watts, radius), "hidden_from_camera": True})
     if light.type == "SPOT":
-        if light.shadow_soft_size > 0:
-            warn("a spot has no size: its shadows are hard")
         outer = 0.5 * float(light.spot_size)
         # Blender's smooth step ends at this share between the cosine of the cone's angle and 1.
         inner = math.acos(min(1.0, math.cos(outer) + (1 - math.cos(outer)) * max(float(light.spot_blend), 1e-4)))
+        radius = float(light.shadow_soft_size)
+        if radius > 0:
+            return MadeLight("area", {"name": name, "shape": "sphere", "width": 2 * radius, "height": 2 * radius,
+                                      "radiance": units.sphere_radiance(color, watts, radius), "hidden_from_camera": True,
+                                      "inner_angle": inner, "outer_angle": outer})
         return MadeLight("light", {"name": name, "type": "spot", "color": units.point_intensity(color, watts),
                                    "profile": "smooth-cosine", "inner_angle": inner, "outer_angle": outer})
     if light.type == "SUN":

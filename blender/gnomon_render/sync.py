@@ -486,7 +486,10 @@ def _find_material(depsgraph, name: str):
 
 
 def _light_material(made: lights.MadeLight) -> gnomon.Material:
-    return gnomon.Material(name=made.values["name"], base_color=(0.0, 0.0, 0.0), emissive=made.values["radiance"],
+    layers = None
+    if "outer_angle" in made.values:
+        layers = gnomon.MaterialLayers(emission_inner=made.values["inner_angle"], emission_outer=made.values["outer_angle"])
+    return gnomon.Material(name=made.values["name"], base_color=(0.0, 0.0, 0.0), emissive=made.values["radiance"], layers=layers,
                            hidden_from_camera=made.values["hidden_from_camera"])
 
 

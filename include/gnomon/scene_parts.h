@@ -132,6 +132,10 @@ struct MaterialLayers {
     float attenuation_distance = 0;      // metres; 0: nothing is absorbed
     float dispersion = 0;                // 20 divided by the Abbe number
 
+    /// The cone around the instance's -Z within which the surface emits: radians from the axis. The light falls off as
+    /// that of a spot with SpotProfile::smooth_cosine. Outer 0: it emits in all directions.
+    float emission_inner = 0, emission_outer = 0;   // 0 to pi / 2
+
     friend bool operator==(const MaterialLayers&, const MaterialLayers&) = default;
 };
 
@@ -203,6 +207,8 @@ struct AreaLight {
     Vec3 radiance{1, 1, 1};            // nits
     bool two_sided = false;            // rectangle and disc: it emits along +Z, too; otherwise along -Z alone
     bool hidden_from_camera = false;   // see Material
+    /// The cone around -Z within which it emits, as a spot does: see MaterialLayers::emission_inner. Outer 0: none.
+    float inner_angle = 0, outer_angle = 0;
     friend bool operator==(const AreaLight&, const AreaLight&) = default;
 };
 

@@ -52,6 +52,8 @@ void visit_fields(M& m, const Visit& visit)
     visit("attenuation_color", m.attenuation_color);
     visit("attenuation_distance", m.attenuation_distance);
     visit("dispersion", m.dispersion);
+    visit("emission_inner", m.emission_inner);
+    visit("emission_outer", m.emission_outer);
 }
 
 template <Is<Material> M, class Visit>
@@ -108,6 +110,8 @@ void visit_fields(M& m, const Visit& visit)
     visit("radiance", m.radiance);
     visit("two_sided", m.two_sided);
     visit("hidden_from_camera", m.hidden_from_camera);
+    visit("inner_angle", m.inner_angle);
+    visit("outer_angle", m.outer_angle);
 }
 
 template <Is<Intrinsics> M, class Visit>

@@ -98,6 +98,11 @@ class MaterialLayers:
     """Metres; 0: nothing is absorbed."""
     dispersion: float = 0.0
     """20 divided by the Abbe number."""
+    emission_inner: float = 0.0
+    """Of the cone around the instance's -Z within which the surface emits, as a spot with the profile "smooth-cosine": radians from the axis, within
+    which the light does not fade."""
+    emission_outer: float = 0.0
+    """Radians from the axis beyond which it emits nothing; 0: it emits in all directions."""
 
 
 @dataclass(slots=True)
@@ -186,6 +191,10 @@ class AreaLight:
     """It emits along +Z, too; otherwise along -Z alone."""
     hidden_from_camera: bool = False
     """Traced frames: cameras see what is behind it; mirrors see it."""
+    inner_angle: float = 0.0
+    """Of the cone around -Z within which it emits: see `MaterialLayers.emission_inner`."""
+    outer_angle: float = 0.0
+    """0: it has no cone."""
 
 
 @dataclass(slots=True, frozen=True)

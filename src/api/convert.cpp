@@ -111,6 +111,8 @@ void copy_layer_values(const From& from, To& to)
     to.attenuation_color = vec(from.attenuation_color);
     to.attenuation_distance = from.attenuation_distance;
     to.dispersion = from.dispersion;
+    to.emission_inner = from.emission_inner;
+    to.emission_outer = from.emission_outer;
 }
 
 // Copies what both sides' materials call by the same name, and mean by it.
@@ -161,6 +163,10 @@ std::shared_ptr<const scene::MaterialLayers> layers_to_scene(const MaterialLayer
     require_range(m.thickness, 0, k_any, owner, "the thickness");
     require_range(m.attenuation_distance, 0, std::numeric_limits<float>::max(), owner, "the attenuation distance");
     require_range(m.dispersion, 0, k_any, owner, "dispersion");
+    require_range(m.emission_inner, 0, k_pi / 2, owner, "the inner angle of the emission");
+    require_range(m.emission_outer, 0, k_pi / 2 + 1e-6, owner, "the outer angle of the emission");
+    if (m.emission_outer > 0)
+        require_range(m.emission_outer, m.emission_inner, k_pi / 2 + 1e-6, owner, "the outer angle of the emission");
     scene::MaterialLayers result;
     copy_layer_values(m, result);
     for (const auto& [outer, inner] : k_layer_textures) result.*inner = to_scene(m.*outer, stamps, owner);

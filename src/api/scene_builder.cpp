@@ -206,10 +206,16 @@ AreaLightParts SceneBuilder::area_light(const AreaLight& light, const Transform&
                                         const InstanceOptions& options)
 {
     const api::LightShape shape = with_memory([&] { return api::shape_of(light); });
+    std::optional<MaterialLayers> layers;
+    if (light.outer_angle != 0) {
+        layers.emplace();
+        layers->emission_inner = light.inner_angle, layers->emission_outer = light.outer_angle;
+    }
     const MaterialId emission = material({.name = light.name,
                                           .base_color = {0, 0, 0},
                                           .double_sided = light.two_sided && light.shape != AreaLightShape::sphere,
                                           .emissive = light.radiance,
+                                          .layers = layers,
                                           .hidden_from_camera = light.hidden_from_camera});
     MeshId made;
     try {

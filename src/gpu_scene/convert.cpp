@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "gnomon/error.h"
+#include "scene/emission_cone.h"
 #include "scene/material_layers.h"
 
 namespace gnomon::gpu_scene {
@@ -80,6 +81,9 @@ shared::GpuLayers convert_layers(const scene::Material& material)
     g.iridescence_thickness_least = m.iridescence_thickness_least;
     g.iridescence_thickness_most = m.iridescence_thickness_most;
     g.thin_walled = m.thin_walled ? 1 : 0;
+    const scene::EmissionCone cone = scene::emission_cone(material, {0, 0, -1});
+    g.emission_outer = cone.limits() ? cone.cosines.outer : GNOMON_NO_CONE;
+    g.emission_inner = cone.cosines.inner;
     g.specular_texture = convert_use(m.specular_texture);
     g.specular_color_texture = convert_use(m.specular_color_texture);
     g.clearcoat_texture = convert_use(m.clearcoat_texture);

@@ -66,6 +66,8 @@ struct GpuMaterial {
 };
 
 /// What rasterised frames use of scene::MaterialLayers; one for each material.
+#define GNOMON_NO_CONE -2.0f   // as the cosine of the outer angle: emission in all directions
+
 struct GpuLayers {
     vec3 specular_color;
     float specular;
@@ -76,6 +78,7 @@ struct GpuLayers {
     float clearcoat, clearcoat_roughness;
     float iridescence, iridescence_ior, iridescence_thickness_least, iridescence_thickness_most;
     uint thin_walled;
+    float emission_outer, emission_inner;   // cosines of the emission's cone; outer GNOMON_NO_CONE: none
     GpuTextureUse specular_texture, specular_color_texture, clearcoat_texture, clearcoat_roughness_texture,
         sheen_color_texture, sheen_roughness_texture, iridescence_texture, iridescence_thickness_texture,
         transmission_texture, thickness_texture;
@@ -142,9 +145,10 @@ GNOMON_MEMBERS(GpuMaterial, base_color, alpha, emissive, alpha_cutoff, ambient, 
                base_color_texture, metallic_roughness_texture, normal_texture, occlusion_texture, emissive_texture)
 GNOMON_MEMBERS(GpuLayers, specular_color, specular, sheen_color, sheen_roughness, absorption, thickness, clearcoat,
                clearcoat_roughness, iridescence, iridescence_ior, iridescence_thickness_least,
-               iridescence_thickness_most, thin_walled, specular_texture, specular_color_texture, clearcoat_texture,
-               clearcoat_roughness_texture, sheen_color_texture, sheen_roughness_texture, iridescence_texture,
-               iridescence_thickness_texture, transmission_texture, thickness_texture)
+               iridescence_thickness_most, thin_walled, emission_outer, emission_inner, specular_texture,
+               specular_color_texture, clearcoat_texture, clearcoat_roughness_texture, sheen_color_texture,
+               sheen_roughness_texture, iridescence_texture, iridescence_thickness_texture, transmission_texture,
+               thickness_texture)
 GNOMON_MEMBERS(GpuTexture, width, height, levels, wrap_u, wrap_v, magnify, minify, first)
 GNOMON_MEMBERS(GpuLight, color, type, position, range, direction, shown, cos_inner, cos_outer, constant_falloff,
                profile, of_environment)

@@ -26,7 +26,7 @@ bool same(const scene::SizedLight& a, const scene::SizedLight& b)
     };
     return std::equal(a.faces.begin(), a.faces.end(), b.faces.begin(), b.faces.end(), same_face) &&
            std::equal(a.places.begin(), a.places.end(), b.places.begin(), b.places.end(), same_place) &&
-           a.cell_radiance == b.cell_radiance;
+           a.cell_radiance == b.cell_radiance && a.cone == b.cone;
 }
 
 }   // namespace

@@ -99,6 +99,8 @@ float sheen_albedo(float cosine, float roughness)
                down - float(r));
 }
 
+#include "raster/emission_cone.glsl"
+
 void add_layers(Triangle t, uint material, inout Surface s)
 {
     if (s.model != GNOMON_MODEL_METALLIC_ROUGHNESS) return;
@@ -106,6 +108,10 @@ void add_layers(Triangle t, uint material, inout Surface s)
     const GpuLayers l = layers.at[material];
     const float cosine = clamp(dot(s.normal, s.to_viewer), 0, 1);
     s.thin = true;   // light passes straight
+    if (l.emission_outer != GNOMON_NO_CONE) {
+        const vec3 axis = normalize(mat3(objects.at[t.object].to_world) * vec3(0, 0, -1));
+        s.emissive *= share_of_cone(dot(s.to_viewer, axis), l.emission_outer, l.emission_inner);
+    }
     vec4 found[k_layer_textures];
     look_up_layers(t, m, l, found);
 

@@ -7,6 +7,7 @@
 // three digits.
 
 #include "ray/limits_shared.h"
+#include "raster/emission_cone.glsl"
 #include "shading/lobe_shared.h"
 
 const float k_pi = 3.14159265358979;
@@ -229,8 +230,15 @@ vec3 reflect_glossy(Point p, vec3 to_light, float roughness)
     return fresnel * (vec3(1) + p.specular * ((1 - kept) / max(kept, 1e-3))) * (lobe * p.coverage);
 }
 
-// What one place brings to a point. Returns false if it brings nothing.
-bool place_weight(Point p, SizedPlaceRecord place, bool has_lobe, float roughness, out vec3 irradiance, out vec3 lobe)
+bool has_cone(SizedLightRecord light)
+{
+    return light.cos_outer != GNOMON_NO_CONE;
+}
+
+// What one place of a light brings to a point, but for the light's cone, and how much of it leaves within the cone.
+// Returns false if it brings nothing.
+bool place_weight(Point p, SizedLightRecord light, SizedPlaceRecord place, bool has_lobe, float roughness,
+                  out vec3 irradiance, out vec3 lobe, out float share)
 {
     const vec3 to_place = place.position - p.position;
     const float square = dot(to_place, to_place);
@@ -241,6 +249,8 @@ bool place_weight(Point p, SizedPlaceRecord place, bool has_lobe, float roughnes
     const SizedFaceRecord face = sized_faces[place.face];
     const float emitted = -dot(direction, face.normal);
     if (!(face.two_sided != 0 ? abs(emitted) > 0 : emitted > 0)) return false;
+    share = 1;
+    if (has_cone(light)) share = share_of_cone(-dot(direction, light.cone_axis), light.cos_outer, light.cos_inner);
     const vec3 radiance = place.radiance * (abs(emitted) * place.area / square);
     irradiance = radiance * cosine;
     lobe = has_lobe ? radiance * reflect_glossy(p, direction, roughness) : vec3(0);

@@ -105,13 +105,15 @@ void main()
             share_here = shares[l * frame.width * frame.height + pixel];
             if (share_here == vec2(0)) continue;
         }
-        // Sum the places that have views, and of a distant cluster all places: what they bring, and what of it is visible.
+        // Sum the places that have views: what they bring, and what of it is visible. Of a distant cluster, sum all
+        // places; of a light with a cone, all places with and without it.
         const bool distant = is_distant(p, light, push.far);
         Unshadowed arrives = Unshadowed(vec3(0), vec3(0));
         if (!distant) arrives = unshadowed(p, light, lobe, has_lobe);
         if (!distant && arrives.irradiance == vec3(0) && arrives.lobe == vec3(0)) continue;
         vec3 whole[2] = vec3[2](vec3(0), vec3(0)), seen[2] = vec3[2](vec3(0), vec3(0));
-        const uint places = distant ? light.place_count : 0;
+        vec3 everywhere[2] = vec3[2](vec3(0), vec3(0)), within[2] = vec3[2](vec3(0), vec3(0));
+        const uint places = distant || has_cone(light) ? light.place_count : 0;
         for (uint i = 0; i < places + light.view_count; ++i) {
             vec3 irradiance, reflected;
             const bool viewed = i >= places;
@@ -122,11 +124,14 @@ void main()
             else
                 place = sized_places[number];
             const float roughness = viewed ? max(p.roughness, push.least_roughness) : p.roughness;
-            if (!place_weight(p, place, has_lobe, roughness, irradiance, reflected)) continue;
+            float share;
+            if (!place_weight(p, light, place, has_lobe, roughness, irradiance, reflected, share)) continue;
             if (!viewed) {
-                arrives.irradiance += irradiance, arrives.lobe += reflected;
+                everywhere[0] += irradiance, everywhere[1] += reflected;
+                within[0] += share * irradiance, within[1] += share * reflected;
                 continue;
             }
+            irradiance *= share, reflected *= share;
             whole[0] += irradiance, whole[1] += reflected;
 #ifndef GNOMON_CLOSER
             vec3 point = p.position, facing = p.geometric;
@@ -134,6 +139,13 @@ void main()
             const float visible = light_visibility(number, point, facing, object);
             seen[0] += visible * irradiance, seen[1] += visible * reflected;
 #endif
+        }
+        if (distant) arrives = Unshadowed(within[0], within[1]);
+        if (!distant && has_cone(light)) {
+            for (uint c = 0; c < 3; ++c) {
+                arrives.irradiance[c] *= everywhere[0][c] > 0 ? within[0][c] / everywhere[0][c] : 0;
+                arrives.lobe[c] *= everywhere[1][c] > 0 ? within[1][c] / everywhere[1][c] : 0;
+            }
         }
         for (uint k = 0; k < 2; ++k)
             for (uint c = 0; c < 3; ++c) seen[k][c] = whole[k][c] > 0 ? min(seen[k][c] / whole[k][c], 1) : 0;

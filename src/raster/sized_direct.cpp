@@ -162,6 +162,9 @@ void SizedDirect::send(vk::Commands& commands)
         r.view_count = first_place_[l + 1] - first_place_[l];
         r.first_cell = static_cast<std::uint32_t>(cells.size());
         r.cells = light.cell_radiance.empty() ? 0 : static_cast<std::uint32_t>(light.cells);
+        r.cone_axis = light.cone.axis;
+        r.cos_outer = light.cone.limits() ? light.cone.cosines.outer : GNOMON_NO_CONE;
+        r.cos_inner = light.cone.cosines.inner;
         for (const scene::SizedFace& f : light.faces) {
             SizedFaceRecord face{};
             std::copy(f.corner.begin(), f.corner.end(), face.corner);

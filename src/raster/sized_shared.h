@@ -19,6 +19,8 @@ struct SizedLightRecord {
     uint first_view, view_count;     // places that have light views
     uint first_cell, cells;          // mean radiances over cells x cells parts of a textured polygon; cells: 0 if none
     uint proven;                     // its visible shares are known (ProvenShares)
+    vec3 cone_axis;                  // of scene::EmissionCone
+    float cos_outer, cos_inner;      // outer GNOMON_NO_CONE: there is none
 };
 
 struct SizedFaceRecord {
@@ -59,7 +61,7 @@ struct SizedSumPush {
 
 #ifdef __cplusplus
 GNOMON_MEMBERS(SizedLightRecord, centre, radius, first_face, face_count, first_place, place_count, first_view,
-               view_count, first_cell, cells, proven)
+               view_count, first_cell, cells, proven, cone_axis, cos_outer, cos_inner)
 GNOMON_MEMBERS(SizedFaceRecord, corner, corners, normal, two_sided, radiance)
 GNOMON_MEMBERS(SizedPlaceRecord, position, face, radiance, area)
 GNOMON_MEMBERS(LobeFit, a, b, c, tilt, scale)

@@ -44,6 +44,10 @@ struct ObjectGeometry {
     const glm::mat3* normal_to_world = nullptr;   // inverse transpose, not normalised; null with to_world
     bool mirrored =
         false;   // the winding in world space is the reverse of the mesh's: corners() of a front run clockwise
+    glm::vec3 axis{0, 0, -1};   // the object's -Z in the space of the positions
+
+    /// The object's -Z in the world, of any length.
+    glm::vec3 world_axis() const { return to_world ? glm::mat3(*to_world) * axis : axis; }
 
     /// World-space corners of one triangle.
     void corners(std::uint32_t triangle, glm::vec3 (&p)[3]) const

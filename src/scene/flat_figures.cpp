@@ -25,7 +25,7 @@ Corner corner_of(const SizedFace& face, int k)
 
 bool same_emission(const SizedFace& a, const SizedFace& b)
 {
-    return a.radiance == b.radiance && a.two_sided == b.two_sided && a.dynamic == b.dynamic;
+    return a.radiance == b.radiance && a.two_sided == b.two_sided && a.dynamic == b.dynamic && a.cone == b.cone;
 }
 
 // Whether a face lies in the plane of another, with the same front.

@@ -66,14 +66,7 @@ LightSample illuminate(const Light& light, const LightState& state, const LightC
     if (light.type == LightType::spot) {
         const float cosine = -glm::dot(sample.to_light, state.direction);
         if (cosine <= cone.outer) return {sample.to_light, sample.distance, glm::vec3(0)};
-        if (light.profile == SpotProfile::cosine) {
-            strength *= cosine;
-        } else {
-            // Apply the angular attenuation of KHR_lights_punctual.
-            const float fade = std::clamp((cosine - cone.outer) / std::max(cone.inner - cone.outer, 1e-4f), 0.0f, 1.0f);
-            strength *=
-                light.profile == SpotProfile::smooth ? fade * fade : cosine * fade * fade * (3.0f - 2.0f * fade);
-        }
+        strength *= share_of_spot(cosine, cone, light.profile);
     }
     sample.irradiance = bounded(light.color * strength);
     return sample;

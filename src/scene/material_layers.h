@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // The optional part of a metallic-roughness material: layers above its surface, how its specular lobe differs, and what
-// light meets inside. Most materials have none, and cost nothing for it (Material::layers is null).
+// light meets inside; and the cone of its emission. Most materials have none, and cost nothing for it (Material::layers
+// is null).
 //
 // The values and their meaning are those of glTF's extensions KHR_materials_specular, clearcoat, sheen, anisotropy,
 // iridescence, transmission, volume and dispersion. Colours are linear.
@@ -55,6 +56,11 @@ struct MaterialLayers {
     float attenuation_distance = 0;    // metres; 0: nothing is absorbed
     float dispersion = 0;              // 20 divided by the Abbe number
 
+    // The cone around the -Z of the object's space within which the surface emits, as a spot does: half-angles,
+    // radians. From the inner to the outer one the light fades out (SpotProfile::smooth_cosine). Outer 0: there is no
+    // cone.
+    float emission_inner = 0, emission_outer = 0;
+
     /// Absorption per metre inside [KHR_materials_volume: Beer's law].
     glm::vec3 absorption() const;
 };
@@ -73,7 +79,9 @@ inline constexpr float MaterialLayers::*k_layer_numbers[] = {&MaterialLayers::sp
                                                              &MaterialLayers::iridescence_thickness_most,
                                                              &MaterialLayers::thickness,
                                                              &MaterialLayers::attenuation_distance,
-                                                             &MaterialLayers::dispersion};
+                                                             &MaterialLayers::dispersion,
+                                                             &MaterialLayers::emission_inner,
+                                                             &MaterialLayers::emission_outer};
 inline constexpr glm::vec3 MaterialLayers::*k_layer_colors[] = {
     &MaterialLayers::specular_color, &MaterialLayers::sheen_color, &MaterialLayers::attenuation_color};
 inline constexpr TextureUse MaterialLayers::*k_layer_textures[] = {

@@ -8,6 +8,7 @@
 #include <array>
 
 #include "scene/emission.h"
+#include "scene/emission_cone.h"
 
 namespace gnomon::scene {
 
@@ -20,6 +21,7 @@ struct SizedFace {
     glm::vec3 radiance{0};    // mean over the face
     bool two_sided = false;   // also emits at the back
     bool dynamic = false;     // its object may move or deform
+    EmissionCone cone{};      // outside of which it emits nothing
     ObjectId object = none;
     std::uint32_t triangle[2] = {none, none};   // of the object's mesh; the second of a quadrilateral only
 

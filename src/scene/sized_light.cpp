@@ -74,15 +74,22 @@ std::vector<Cluster> figures_of(std::vector<SourceFace>& faces)
     return clusters;
 }
 
-// Groups faces by place, static and dynamic ones apart.
+// Groups faces by place; static and dynamic ones, and those of each cone, are apart.
 std::vector<Cluster> group(std::vector<SourceFace>& faces, const SizedLightOptions& options)
 {
     std::vector<Cluster> clusters;
-    const auto dynamic =
-        std::stable_partition(faces.begin(), faces.end(), [](const SourceFace& s) { return !s.face.dynamic; });
-    const auto still = static_cast<std::size_t>(dynamic - faces.begin());
-    if (still > 0) clusters.push_back(cluster_of(faces, 0, still));
-    if (still < faces.size()) clusters.push_back(cluster_of(faces, still, faces.size()));
+    const auto same_kind = [](const SizedFace& a, const SizedFace& b) {
+        return a.dynamic == b.dynamic && a.cone == b.cone;
+    };
+    for (std::size_t first = 0; first < faces.size();) {
+        const auto from = faces.begin() + static_cast<std::ptrdiff_t>(first);
+        const SizedFace kind = from->face;
+        const auto end = static_cast<std::size_t>(
+            std::stable_partition(from, faces.end(), [&](const SourceFace& s) { return same_kind(s.face, kind); }) -
+            faces.begin());
+        clusters.push_back(cluster_of(faces, first, end));
+        first = end;
+    }
     while (clusters.size() < static_cast<std::size_t>(options.most_clusters)) {
         const auto at = std::max_element(clusters.begin(), clusters.end(),
                                          [](const Cluster& a, const Cluster& b) { return a.weight < b.weight; });
@@ -262,6 +269,7 @@ void SizedLights::make(const SceneState& state)
             like.object = o;
             like.two_sided = !material.one_sided();
             like.dynamic = state.is_dynamic(o);
+            like.cone = emission_cone(material, -glm::vec3(state.object_matrix(o)[2]));
             counts_.triangles += part.triangle_count;
             collect_faces(mesh, part, object.deforming ? state.deformed(o).positions : mesh.positions,
                           state.object_matrix(o), like, *emissions.back(), faces);
@@ -305,6 +313,7 @@ void SizedLights::make(const SceneState& state)
             light.cells = light.cell_radiance.empty() ? 1 : cells;
         }
         light.dynamic = light.faces[0].dynamic;
+        light.cone = light.faces[0].cone;
         light.tree = make_face_tree(light.faces);
         enclose(light);
         place(light, sources, sequence);

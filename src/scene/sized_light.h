@@ -6,7 +6,8 @@
 // colour and emit nothing) belongs to one light. Two triangles of a part that share an edge and lie in one plane become
 // one quadrilateral if that is convex, and polygons of one colour that touch in one plane form a flat figure, such as a
 // disc. As long as a scene has no more figures than SizedLightOptions::most_lights, each is a light of its own. Beyond
-// that, a tree over their polygons groups static and dynamic ones by place, and each of its leaves is one light.
+// that, a tree over their polygons groups static and dynamic ones by place, and each of its leaves is one light. What
+// emits within a cone is in groups of its own.
 //
 // A light has a fixed set of sample places, for its visibility: a (0, 2)-sequence [Sobol' 1967], the same for every
 // point that the light is seen from. Place i is bit i of a visibility mask. Places are in Morton order, so that
@@ -57,6 +58,9 @@ struct SizedLight {
     /// four corners; the face itself if there is one only. Of a cluster: 0 corners.
     SizedFace outline{.corners = 0};
     bool is_flat() const { return outline.corners > 0; }
+
+    /// Within which all faces emit.
+    EmissionCone cone{};
 };
 
 /// What the lights stand for.

@@ -204,8 +204,10 @@ class Sum {
 // What the places of a light bring to a point, one by one.
 class PlaceWeights {
  public:
-    PlaceWeights(const SurfacePoint& s, const scene::SizedLight& light, bool lobe, float least_roughness)
-        : s_(s), light_(light), lobe_(lobe)
+    /// @param cone  whether the light's cone counts
+    PlaceWeights(const SurfacePoint& s, const scene::SizedLight& light, bool lobe, float least_roughness,
+                 bool cone = true)
+        : s_(s), light_(light), lobe_(lobe), cone_(cone && light.cone.limits())
     {
         if (lobe_ && s.roughness < least_roughness) widened_ = s, widened_->roughness = least_roughness;
     }
@@ -221,7 +223,9 @@ class PlaceWeights {
         const scene::SizedFace& face = light_.faces[place.face];
         const float emitted = -glm::dot(direction, face.normal);
         if (!(face.two_sided ? std::abs(emitted) > 0 : emitted > 0)) return false;
-        const glm::vec3 radiance = place.radiance * (std::abs(emitted) * place.area / square);
+        const float share = cone_ ? light_.cone.share(-direction) : 1;
+        if (!(share > 0)) return false;
+        const glm::vec3 radiance = place.radiance * (share * (std::abs(emitted) * place.area / square));
         irradiance = radiance * cosine;
         if (lobe_) lobe = radiance * reflect_glossy(widened_ ? *widened_ : s_, direction);
         return true;
@@ -230,7 +234,7 @@ class PlaceWeights {
  private:
     const SurfacePoint& s_;
     const scene::SizedLight& light_;
-    bool lobe_;
+    bool lobe_, cone_;
     std::optional<SurfacePoint> widened_;
 };
 
@@ -240,6 +244,76 @@ glm::vec3 ratio(const glm::dvec3& part, const glm::dvec3& whole)
     for (int i = 0; i < 3; ++i)
         if (whole[i] > 0) result[i] = static_cast<float>(std::min(part[i] / whole[i], 1.0));
     return result;
+}
+
+UnshadowedLight sum_of_places(const PlaceWeights& weights, std::span<const scene::SizedPlace> places)
+{
+    UnshadowedLight sum;
+    glm::vec3 irradiance(0), reflected(0);
+    for (const scene::SizedPlace& place : places)
+        if (weights.at(place, irradiance, reflected)) sum.irradiance += irradiance, sum.lobe += reflected;
+    return sum;
+}
+
+// How much of what a light without its cone would bring to a point it brings with it.
+VisibleShare share_of_cone(const SurfacePoint& s, const scene::SizedLight& light, bool lobe,
+                           const PolygonLightOptions& options)
+{
+    const UnshadowedLight part = sum_of_places(PlaceWeights(s, light, lobe, options.least_roughness), light.places),
+                          whole =
+                              sum_of_places(PlaceWeights(s, light, lobe, options.least_roughness, false), light.places);
+    return {ratio(glm::dvec3(part.irradiance), glm::dvec3(whole.irradiance)),
+            ratio(glm::dvec3(part.lobe), glm::dvec3(whole.lobe))};
+}
+
+// Light that reaches a point if nothing occludes it, and as if the light had no cone.
+UnshadowedLight without_cone(const SurfacePoint& s, const scene::SizedLight& light, const PolygonLobe* lobe,
+                             const PolygonLightOptions& options, const glm::vec3& to_centre)
+{
+    // Sum a distant light of many polygons over its places.
+    const std::size_t polygons = std::max(light.faces.size(), light.cell_radiance.size());
+    if (!(options.coarse && !light.tree.nodes.empty()) && polygons > light.places.size() &&
+        glm::length(to_centre) > options.far * light.radius) {
+        return sum_of_places(PlaceWeights(s, light, lobe != nullptr, 0, false), light.places);
+    }
+
+    // Sum up the faces of a light that has many of them by groups.
+    if (!light.tree.nodes.empty()) {
+        Sum sum(s, lobe);
+        for (std::size_t n = 0; n < light.tree.nodes.size();) {
+            const scene::FaceNode& node = light.tree.nodes[n];
+            const bool added = sum.add(node, options.coarse);
+            n = added || node.count > 0 ? node.next : n + 1;
+            if (added) continue;
+            for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+                const scene::SizedFace& face = light.faces[light.tree.order[i]];
+                if (emits_towards(s, face))
+                    sum.add(seen_from(s.position, face.corner.data(), face.corners), face.radiance);
+            }
+        }
+        return sum.result();
+    }
+
+    std::optional<Sum> sum;
+    for (const scene::SizedFace& face : light.faces) {
+        if (!emits_towards(s, face)) continue;
+        if (!sum) sum.emplace(s, lobe);
+        if (light.cell_radiance.empty()) {
+            sum->add(seen_from(s.position, face.corner.data(), face.corners), face.radiance);
+            continue;
+        }
+        const float size = 1 / static_cast<float>(light.cells);
+        for (int j = 0; j < light.cells; ++j)
+            for (int i = 0; i < light.cells; ++i) {
+                const float u = static_cast<float>(i) * size, v = static_cast<float>(j) * size;
+                const glm::vec3 corner[4] = {face.at(u, v), face.at(u + size, v), face.at(u + size, v + size),
+                                             face.at(u, v + size)};
+                sum->add(seen_from(s.position, corner, 4),
+                         light.cell_radiance[static_cast<std::size_t>(j) * static_cast<std::size_t>(light.cells) +
+                                             static_cast<std::size_t>(i)]);
+            }
+    }
+    return sum ? sum->result() : UnshadowedLight{};
 }
 
 }   // namespace
@@ -283,62 +357,21 @@ UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light
     const glm::vec3 to_centre = light.centre - s.position;
     if (glm::dot(to_centre, s.smooth_normal) < -light.radius || glm::dot(to_centre, s.normal) < -light.radius)
         return {};
-
-    // Sum a distant light of many polygons over its places.
-    const std::size_t polygons = std::max(light.faces.size(), light.cell_radiance.size());
-    if (!(options.coarse && !light.tree.nodes.empty()) && polygons > light.places.size() &&
-        glm::length(to_centre) > options.far * light.radius) {
-        return unshadowed_by_places(s, light, light.places, lobe != nullptr);
+    // Of a light with a cone, find by its places how much of what it would bring without it leaves toward the point.
+    if (light.cone.limits()) {
+        const VisibleShare share = share_of_cone(s, light, lobe != nullptr, options);
+        if (share.irradiance == glm::vec3(0) && share.lobe == glm::vec3(0)) return {};
+        UnshadowedLight result = without_cone(s, light, lobe, options, to_centre);
+        result.irradiance *= share.irradiance, result.lobe *= share.lobe;
+        return result;
     }
-
-    // Sum up the faces of a light that has many of them by groups.
-    if (!light.tree.nodes.empty()) {
-        Sum sum(s, lobe);
-        for (std::size_t n = 0; n < light.tree.nodes.size();) {
-            const scene::FaceNode& node = light.tree.nodes[n];
-            const bool added = sum.add(node, options.coarse);
-            n = added || node.count > 0 ? node.next : n + 1;
-            if (added) continue;
-            for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-                const scene::SizedFace& face = light.faces[light.tree.order[i]];
-                if (emits_towards(s, face))
-                    sum.add(seen_from(s.position, face.corner.data(), face.corners), face.radiance);
-            }
-        }
-        return sum.result();
-    }
-
-    std::optional<Sum> sum;
-    for (const scene::SizedFace& face : light.faces) {
-        if (!emits_towards(s, face)) continue;
-        if (!sum) sum.emplace(s, lobe);
-        if (light.cell_radiance.empty()) {
-            sum->add(seen_from(s.position, face.corner.data(), face.corners), face.radiance);
-            continue;
-        }
-        const float size = 1 / static_cast<float>(light.cells);
-        for (int j = 0; j < light.cells; ++j)
-            for (int i = 0; i < light.cells; ++i) {
-                const float u = static_cast<float>(i) * size, v = static_cast<float>(j) * size;
-                const glm::vec3 corner[4] = {face.at(u, v), face.at(u + size, v), face.at(u + size, v + size),
-                                             face.at(u, v + size)};
-                sum->add(seen_from(s.position, corner, 4),
-                         light.cell_radiance[static_cast<std::size_t>(j) * static_cast<std::size_t>(light.cells) +
-                                             static_cast<std::size_t>(i)]);
-            }
-    }
-    return sum ? sum->result() : UnshadowedLight{};
+    return without_cone(s, light, lobe, options, to_centre);
 }
 
 UnshadowedLight unshadowed_by_places(const SurfacePoint& s, const scene::SizedLight& light,
                                      std::span<const scene::SizedPlace> places, bool lobe)
 {
-    const PlaceWeights weights(s, light, lobe, 0);
-    UnshadowedLight sum;
-    glm::vec3 irradiance(0), reflected(0);
-    for (const scene::SizedPlace& place : places)
-        if (weights.at(place, irradiance, reflected)) sum.irradiance += irradiance, sum.lobe += reflected;
-    return sum;
+    return sum_of_places(PlaceWeights(s, light, lobe, 0), places);
 }
 
 VisibleShare visible_share(const SurfacePoint& s, const scene::SizedLight& light,

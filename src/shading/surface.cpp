@@ -5,6 +5,7 @@
 
 #include "ray/origin.h"
 #include "ray/smooth_surface.h"
+#include "scene/emission_cone.h"
 #include "scene/footprint.h"
 #include "scene/material_layers.h"
 #include "shading/layers.h"
@@ -228,9 +229,10 @@ glm::vec3 tangent_of(const scene::TextureUse& use, const TextureFrame& frame, co
 
 // Fills in the layers above and inside the surface, and takes from the base what those above reflect.
 // @param coat_normal  on the viewer's side
-void fill_layers(const scene::MaterialLayers& m, const TextureFrame& frame, const glm::vec3 (&p)[3],
+void fill_layers(const scene::Material& material, const TextureFrame& frame, const glm::vec3 (&p)[3],
                  const glm::vec3& coat_normal, SurfacePoint& s)
 {
+    const scene::MaterialLayers& m = *material.layers;
     const auto channel = [&](const scene::TextureUse& use, int i) {
         return frame.has(use) ? frame.look_up(use)[i] : 1;
     };
@@ -268,6 +270,8 @@ void fill_layers(const scene::MaterialLayers& m, const TextureFrame& frame, cons
         if (tangents.along == glm::vec3(0)) make_basis(s.normal, tangents.along, tangents.up);
         layers.grain = unit_or(way.x * tangents.along + way.y * tangents.up, tangents.along);
     }
+    if (m.emission_outer > 0)
+        s.emissive *= scene::emission_cone(material, frame.geometry.world_axis()).share(s.to_viewer);
     layers.thin = m.thin_walled;
     layers.absorption = m.absorption();
     layers.thickness = m.thickness * channel(m.thickness_texture, 1);
@@ -353,7 +357,7 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
         if (frame.has(material.layers->clearcoat_normal_texture))
             coat_normal = mapped_normal(material.layers->clearcoat_normal_texture,
                                         material.layers->clearcoat_normal_scale, frame, p, smooth_normal, s.front);
-        fill_layers(*material.layers, frame, p, to_viewers_side(s, coat_normal), s);
+        fill_layers(material, frame, p, to_viewers_side(s, coat_normal), s);
     }
 }
 

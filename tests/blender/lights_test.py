@@ -43,6 +43,13 @@ class Lights(unittest.TestCase):
             self.assert_close(value, truth, 0.02)
         self.assertEqual(self.below(spot, (2 * math.tan(0.52), 0)), 0)
 
+    def test_spot_with_a_radius_has_soft_edges_as_in_cycles(self):
+        for angle in (0.0, 0.42, 0.5, 0.53):
+            spot = lambda: add_light("SPOT", energy=100, shadow_soft_size=0.2, spot_size=1, spot_blend=0.2)  # noqa: E731
+            value = self.below(spot, (2 * math.tan(angle), 0))
+            truth = float(render("CYCLES")[..., :3].mean())
+            self.assert_close(value, truth, 0.04)
+
     def test_sun_has_watts_per_square_metre(self):
         self.assert_close(self.below(lambda: add_light("SUN", energy=3, angle=0)), RHO / math.pi * 3)
         self.assert_close(self.below(lambda: add_light("SUN", energy=3, angle=0.1)), RHO / math.pi * 3, 0.01)

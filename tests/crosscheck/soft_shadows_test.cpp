@@ -57,7 +57,7 @@ bench::RasterLightsRow compare(const std::shared_ptr<const scene::Scene>& scene,
 }
 
 // One emitter over a floor of three materials, all in one plane, so that nothing occludes it.
-enum class Emitter { near_square, tilted_triangle, small_and_far };
+enum class Emitter { near_square, tilted_triangle, small_and_far, spot };
 Scene one_emitter(Emitter kind)
 {
     SceneBuilder builder;
@@ -80,6 +80,14 @@ Scene one_emitter(Emitter kind)
         case Emitter::small_and_far:
             builder.instance(down, builder.material({.base_color = {0, 0, 0}, .emissive = {9e4f, 9e4f, 9e4f}}),
                              Transform::translation(3, 9, 2) * Transform::scaling(0.02, 1, 0.02));
+            break;
+        case Emitter::spot:   // a sphere that emits within a cone, in whose edge a part of the floor lies
+            builder.area_light({.shape = AreaLightShape::sphere,
+                                .width = 0.02f,
+                                .radiance = {9e4f, 6e4f, 3e4f},
+                                .inner_angle = 0.1f,
+                                .outer_angle = 0.5f},
+                               Transform::look_at({1, 4, 0}, {0, 0, 0.5f}));
     }
     builder.instance(up, white, Transform::translation(-2, 0, 0) * Transform::scaling(4, 1, 8));
     builder.instance(up, metal, Transform::translation(2, 0, -2) * Transform::scaling(4, 1, 4));
@@ -93,7 +101,7 @@ Scene one_emitter(Emitter kind)
 
 TEST_F(SoftShadows, UnshadowedLightIsThatOfTheTracedFrame)
 {
-    for (const Emitter kind : {Emitter::near_square, Emitter::tilted_triangle, Emitter::small_and_far}) {
+    for (const Emitter kind : {Emitter::near_square, Emitter::tilted_triangle, Emitter::small_and_far, Emitter::spot}) {
         const Scene scene = one_emitter(kind);
         RenderOptions unshadowed = options_of(RenderMethod::raster, {80, 60});
         unshadowed.shadow_textures = ShadowTextures::off;

@@ -258,6 +258,7 @@ void RayScene::Impl::describe(scene::ObjectId object, const BakedVertices& verti
     g.to_world = solid ? &solid->to_world : nullptr;
     g.normal_to_world = solid ? &solid->normal_to_world : nullptr;
     g.mirrored = mirrored;
+    g.axis = vertices.axis;
 }
 
 void RayScene::Impl::add_still(const scene::SceneState& state, scene::ObjectId o)

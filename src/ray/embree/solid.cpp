@@ -96,6 +96,7 @@ void BakedVertices::bake(const std::vector<glm::vec3>& from_positions, const std
     const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
                               glm::cross(linear[0], linear[1]));
     const double sign = glm::determinant(linear) < 0 ? -1 : 1;
+    axis = glm::vec3(-linear[2]);
     normals.resize(from_normals.size());
     for (std::size_t i = 0; i < from_normals.size(); ++i)
         normals[i] = unit_or_same(sign * (cofactor * glm::dvec3(from_normals[i])), from_normals[i]);

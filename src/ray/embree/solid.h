@@ -32,6 +32,7 @@ struct GeometryRecord {
 struct BakedVertices {
     std::vector<glm::vec3> positions, normals;
     std::vector<glm::vec4> tangents;
+    glm::vec3 axis{0, 0, -1};   // ObjectGeometry::axis
 
     /// Transforms and copies arrays; normalises normals and tangents. Empty arrays stay empty.
     void bake(const std::vector<glm::vec3>& from_positions, const std::vector<glm::vec3>& from_normals,

@@ -14,6 +14,8 @@
 #include "scene/defaults/interior.h"
 #include "scene/defaults/space_grid.h"
 #include "scene/emission.h"
+#include "scene/emission_cone.h"
+#include "scene/material_layers.h"
 
 namespace gnomon::scene {
 
@@ -166,6 +168,30 @@ std::vector<EmitterPatch> open_sides(const EmitterPatch& patch, const SpaceGrid*
     return sides;
 }
 
+// Approximates what emits within a cone by a spot light at the object's origin: its intensity along the axis is the
+// radiance times a fourth of the area, which is what a sphere shows from each side.
+void add_spot(const Scene& scene, const Object& object, const MeshPart& part, std::vector<Light>& spots)
+{
+    const Mesh& mesh = scene.meshes[object.mesh];
+    const Material& material = scene.materials[part.material];
+    const Emission emission(scene, mesh, material);
+    Light light;
+    light.name = "emitter";
+    light.of_surface = true;
+    light.type = LightType::spot;
+    light.profile = SpotProfile::smooth_cosine;
+    light.inner_angle = material.layers->emission_inner;
+    light.outer_angle = material.layers->emission_outer;
+    light.node = object.node;
+    light.color = glm::vec3(0);
+    for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t) {
+        const glm::uvec3& index = mesh.triangles[t];
+        const float area = area_of(mesh.positions[index[0]], mesh.positions[index[1]], mesh.positions[index[2]]);
+        if (std::isfinite(area)) light.color += 0.25f * area * emission.mean(t);
+    }
+    if (light.color != glm::vec3(0)) spots.push_back(light);
+}
+
 }   // namespace
 
 void add_patch_lights(Scene& scene, const EmitterPatch& patch, int count, float fraction, float lift, const Light& like)
@@ -203,6 +229,7 @@ void add_emitter_lights(Scene& scene, const EmitterOptions& options)
 {
     const bool alone = scene.lights.empty();
     std::vector<EmitterPatch> patches;
+    std::vector<Light> spots;
     std::vector<glm::dmat4> world;   // by node, because walking up from each object is too slow in deep hierarchies
     bool two_sided = false;
     for (const Object& object : scene.objects) {
@@ -211,11 +238,19 @@ void add_emitter_lights(Scene& scene, const EmitterOptions& options)
             const Material& material = scene.materials[part.material];
             if (!may_emit(material)) continue;
             two_sided |= !material.one_sided();
+            if (material.layers && material.layers->emission_outer > 0) {
+                add_spot(scene, object, part, spots);
+                continue;
+            }
             if (world.empty()) world = scene.world_matrices(scene.timeline.start);
             collect(scene, object, part, glm::mat4(world[object.node]), patches);
         }
     }
-    if (patches.empty()) return;
+    scene.lights.insert(scene.lights.end(), spots.begin(), spots.end());
+    if (patches.empty()) {
+        if (!spots.empty()) scene.finish();
+        return;
+    }
 
     // Find the sides that emit; keep the strongest.
     std::optional<SpaceGrid> grid;
