@@ -235,6 +235,15 @@ bool has_cone(SizedLightRecord light)
     return light.cos_outer != GNOMON_NO_CONE;
 }
 
+// Leaves of a light without its cone what its places bring within the cone.
+void limit_to_cone(vec3 within[2], vec3 everywhere[2], inout Unshadowed arrives)
+{
+    for (uint c = 0; c < 3; ++c) {
+        arrives.irradiance[c] *= everywhere[0][c] > 0 ? within[0][c] / everywhere[0][c] : 0;
+        arrives.lobe[c] *= everywhere[1][c] > 0 ? within[1][c] / everywhere[1][c] : 0;
+    }
+}
+
 // What one place of a light brings to a point, but for the light's cone, and how much of it leaves within the cone.
 // Returns false if it brings nothing.
 bool place_weight(Point p, SizedLightRecord light, SizedPlaceRecord place, bool has_lobe, float roughness,

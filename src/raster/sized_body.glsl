@@ -141,12 +141,7 @@ void main()
 #endif
         }
         if (distant) arrives = Unshadowed(within[0], within[1]);
-        if (!distant && has_cone(light)) {
-            for (uint c = 0; c < 3; ++c) {
-                arrives.irradiance[c] *= everywhere[0][c] > 0 ? within[0][c] / everywhere[0][c] : 0;
-                arrives.lobe[c] *= everywhere[1][c] > 0 ? within[1][c] / everywhere[1][c] : 0;
-            }
-        }
+        if (!distant && has_cone(light)) limit_to_cone(within, everywhere, arrives);
         for (uint k = 0; k < 2; ++k)
             for (uint c = 0; c < 3; ++c) seen[k][c] = whole[k][c] > 0 ? min(seen[k][c] / whole[k][c], 1) : 0;
 #ifdef GNOMON_CLOSER
