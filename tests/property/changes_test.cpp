@@ -415,8 +415,8 @@ void follow_on_device(std::uint64_t seed, int steps, int every, Indirect indirec
 
 TEST_F(ChangesVulkan, RasterFrameEqualsOneMadeAnew)
 {
-    follow_on_device(1, 8, 4, Indirect::visible);
-    follow_on_device(2, 8, 4, Indirect::quadtree);
+    follow_on_device(1, 5, 5, Indirect::visible);
+    follow_on_device(2, 6, 3, Indirect::quadtree);
     follow_on_device(14, 6, 3, Indirect::quadtree);   // lights are relit, and do not move afterwards
 }
 

@@ -97,7 +97,7 @@ void compare_with_new_engines(const std::vector<Case>& cases, int steps, std::ui
 
 TEST(FrameEngine, SameBytesSwitchedThroughAllTracedOptionsAsNew)
 {
-    compare_with_new_engines(traced_cases(), 60, 1);
+    compare_with_new_engines(traced_cases(), 36, 1);
 }
 
 #ifdef GNOMON_VULKAN
@@ -117,7 +117,7 @@ TEST(FrameEngine, SameBytesSwitchedBetweenTraceAndRasterAsNew)
     Case& redrawn = cases.emplace_back(hard);
     redrawn.options.overlay = Overlay::redrawn;
     redrawn.compared = false;
-    compare_with_new_engines(cases, 16, 2);
+    compare_with_new_engines(cases, 11, 2);
 }
 #endif
 

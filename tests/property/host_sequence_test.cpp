@@ -410,18 +410,18 @@ int compare_sequences(std::uint64_t first, std::uint64_t last, int steps, Edits 
 
 TEST(HostSequence, SameBytesAsANewRendererInEachStep)
 {
-    compare_sequences(1, 3, 10, Edits::all);
+    compare_sequences(1, 3, 6, Edits::all);
 }
 
 TEST(HostSequence, SameBytesWithoutEditsWithoutBeginningAnew)
 {
-    constexpr int k_seeds = 3, k_steps = 12;
+    constexpr int k_seeds = 3, k_steps = 7;
     EXPECT_EQ(compare_sequences(1, k_seeds, k_steps, Edits::none), k_seeds);   // in each first frame
 }
 
 TEST(HostSequence, SameBytesWhilePartsThatMayMoveComeAndGoWithoutBeginningAnew)
 {
-    constexpr int k_seeds = 3, k_steps = 12;
+    constexpr int k_seeds = 3, k_steps = 7;
     EXPECT_EQ(compare_sequences(1, k_seeds, k_steps, Edits::movable), k_seeds);
 }
 
