@@ -122,6 +122,8 @@ ViewTimes times_of(const Frame& frame, double encoding)
     times.ms[ViewTimes::scene] = sum({FrameTimes::scene});
     times.ms[ViewTimes::direct] = sum({FrameTimes::rays, FrameTimes::surfaces, FrameTimes::shadows});
     times.ms[ViewTimes::indirect] = sum({FrameTimes::light_maps, FrameTimes::indirect, FrameTimes::indirect_mirrored});
+    times.light_maps = frame.times.ms[FrameTimes::light_maps];
+    times.fixed = times.light_maps + frame.times.ms[FrameTimes::scene];
     times.ms[ViewTimes::rest] = std::max(frame.milliseconds - times.total(), 0.0) + encoding;
     return times;
 }
@@ -159,8 +161,11 @@ double ViewTimes::total() const
     return sum;
 }
 
-ViewSession::ViewSession(int threads, std::uint64_t rays_a_frame)
-    : threads_(threads), rays_a_frame_(rays_a_frame), renderer_({.threads = threads, .interactive = true})
+ViewSession::ViewSession(int threads, std::uint64_t rays_a_frame, std::function<void()> changed)
+    : threads_(threads),
+      rays_a_frame_(rays_a_frame),
+      changed_(std::move(changed)),
+      renderer_({.threads = threads, .interactive = true})
 {
     load_thread_ = std::jthread([this](const std::stop_token& stop) { load_loop(stop); });
     render_thread_ = std::jthread([this](const std::stop_token& stop) { render_loop(stop); });
@@ -235,12 +240,18 @@ std::shared_ptr<const ViewImage> ViewSession::image(std::uint64_t newer_than) co
     return image_ && image_->number > newer_than ? image_ : nullptr;
 }
 
+void ViewSession::tell() const
+{
+    if (changed_) changed_();
+}
+
 void ViewSession::fail(std::uint64_t request, const std::string& message)
 {
     const std::lock_guard lock(mutex_);
     state_.frame_error = message;
     state_.failed = request;
     state_.trouble = std::current_exception();
+    tell();
 }
 
 void ViewSession::load_loop(const std::stop_token& stop)
@@ -261,6 +272,7 @@ void ViewSession::load_loop(const std::stop_token& stop)
             const std::lock_guard lock(mutex_);
             state_.stage = step.stage;
             state_.done = step.done;
+            tell();
             return !stop.stop_requested() && !wanted_;
         };
         std::string error;
@@ -303,6 +315,7 @@ void ViewSession::load_loop(const std::stop_token& stop)
         state_.loading = false;
         state_.error = error;
         state_.trouble = trouble;
+        tell();
     }
 }
 
@@ -357,6 +370,7 @@ bool ViewSession::publish(std::shared_ptr<ViewImage> image, ViewRequest& request
     rendering_ = false;
     state_.frame_error.clear();
     state_.failed = 0;
+    tell();
     if (request_) return true;
     refining_ = lacking;
     if (!lacking) return false;
@@ -383,6 +397,8 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     input.camera = request.orbit;
     input.turn = request.turn;
     input.indirect_ray_limit = request.whole ? 0 : rays_a_frame_;
+    if (!request.whole && !refines && request.rays)
+        input.indirect_ray_limit = std::clamp<std::uint64_t>(*request.rays, 1, rays_a_frame_);
     hand_over_overrides(*scene, request, input);
 
     // Render the frame; a newer request interrupts it if it only refines what is shown.
