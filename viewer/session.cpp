@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "gnomon/error.h"
+#include "viewer/enlarge.h"
 #include "viewer/projection.h"
 
 namespace gnomon::viewer {
@@ -79,6 +80,20 @@ RenderOptions window_options(const ViewRequest& request, const Scene& scene, int
 bool has_ids(const RenderOptions& options)
 {
     return options.overlay == Overlay::none || options.overlay == Overlay::redrawn;
+}
+
+// What a frame with the layers "id" and "normal" shows; empty without them.
+std::vector<SeenSurface> surfaces_of(const Frame& frame)
+{
+    std::vector<SeenSurface> surfaces;
+    const Layer *const ids = frame.layer("id"), *const normals = frame.layer("normal");
+    if (!ids || !normals) return surfaces;
+    surfaces.reserve(static_cast<std::size_t>(frame.size.width) * static_cast<std::size_t>(frame.size.height));
+    for (int y = 0; y < frame.size.height; ++y)
+        for (int x = 0; x < frame.size.width; ++x)
+            surfaces.push_back(
+                {ids->id(x, y), {normals->value(x, y, 0), normals->value(x, y, 1), normals->value(x, y, 2)}});
+    return surfaces;
 }
 
 // The value of an instance in a layer of ids; 0: it is not seen.
@@ -390,7 +405,10 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     }
     std::optional<Picked> picked = picked_before(scene);
     RenderOptions options = window_options(request, *scene, threads_);
-    options.ids = has_ids(options) && (request.pick || (picked && picked->instance));
+    const bool enlarges = request.enlarge > 1 && !request.whole && options.overlay == Overlay::none &&
+                          options.renderer == RenderMethod::trace;
+    options.layers = enlarges;   // for normals
+    options.ids = has_ids(options) && (enlarges || request.pick || (picked && picked->instance));
     renderer_.set_options(options);
     FrameInput input;
     input.time = request.time;
@@ -413,6 +431,7 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     const Clock::time_point start = Clock::now();
     image->image.width = frame.size.width, image->image.height = frame.size.height, image->image.channels = 3;
     image->image.data = frame.to_srgb8();
+    if (enlarges) image->image = enlarged(image->image, surfaces_of(frame), request.enlarge);
     image->times = times_of(frame, milliseconds_since(start));
 
     // Describe it.

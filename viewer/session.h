@@ -57,6 +57,7 @@ struct ViewRequest {
     bool interruptible = false;
     /// Limit of the first image's rays of indirect light, if it is less than the session's.
     std::optional<std::uint64_t> rays;
+    int enlarge = 1;   // how many times as wide its images are, with sharp edges between surfaces (viewer/enlarge.h)
     std::uint64_t number = 0;   // given by ask()
 };
 
@@ -84,7 +85,7 @@ struct Picked {
 struct ViewImage {
     std::shared_ptr<const Scene> scene;
     Frame frame;     // without layers, unless the request was for a whole frame
-    Image8 image;    // the frame in sRGB
+    Image8 image;    // the frame in sRGB, or enlarged
     Camera camera;   // with which it was rendered
     Box3 bounds;     // of the scene
     ViewTimes times;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "viewer/enlarge.h"
 #include "viewer/viewer_impl.h"
 
 namespace gnomon::viewer {
@@ -124,6 +125,7 @@ void Viewer::Impl::ask()
     if (!whole && !sharper) request.rays = motion_size.rays();
     requested_divisor = whole ? 1 : sharper ? requested_divisor / 2 : motion_size.divisor();
     request.size = {std::max(size.width / requested_divisor, 16), std::max(size.height / requested_divisor, 16)};
+    request.enlarge = enlargement(request.size, requested_divisor);
     if (own_camera) request.orbit = camera.camera();
     request.pick = std::exchange(pick, std::nullopt);
 
@@ -153,7 +155,7 @@ Viewer::Impl::Placed Viewer::Impl::placed() const
 {
     const ImVec2 display = ImGui::GetIO().DisplaySize;
     const glm::vec2 left(panel.docked_width(), 0), room = glm::vec2(display.x, display.y) - left;
-    const glm::vec2 size(image->image.width, image->image.height);
+    const glm::vec2 size(image->frame.size.width, image->frame.size.height);
     const float factor = std::min(room.x / size.x, room.y / size.y);
     return {left + (room - factor * size) / 2.0f, factor};
 }
@@ -174,7 +176,7 @@ void Viewer::Impl::draw_image() const
 {
     if (!image) return;
     const Placed place = placed();
-    const glm::vec2 end = place.corner + place.factor * glm::vec2(image->image.width, image->image.height);
+    const glm::vec2 end = place.corner + place.factor * glm::vec2(image->frame.size.width, image->frame.size.height);
     ImDrawList* const draw = ImGui::GetBackgroundDrawList();
     draw->AddImage(window.texture(), {place.corner.x, place.corner.y}, {end.x, end.y});
     if (image->scene != scene || recorder.recording()) return;

@@ -93,7 +93,7 @@ struct Viewer::Impl {
     Size view_size() const;
     struct Placed {
         glm::vec2 corner;   // top left corner of the image in the window
-        float factor = 1;   // window pixels per image pixel
+        float factor = 1;   // window pixels per pixel of the frame
     };
     Placed placed() const;
     std::optional<glm::vec2> image_place(const glm::vec2& at) const;

@@ -329,6 +329,27 @@ TEST(ViewSession, ImagesInMotionCastFewRays)
     EXPECT_TRUE(same(last, whole));
 }
 
+// Enlarged images have the frame's size times the factor, on average its colours, and leave no trace in later images.
+TEST(ViewSession, ImagesAreEnlargedForTheScreen)
+{
+    ViewSession session(1), fresh(1);
+    load(session), load(fresh);
+    ViewRequest small = at(0.8);
+    small.enlarge = 3;
+    const auto large = finished(session, small), plain = finished(session, at(0.8));
+    EXPECT_EQ(large->frame.size, plain->frame.size);
+    EXPECT_TRUE(large->frame.layers.empty());
+    EXPECT_EQ(large->image.width, 3 * plain->image.width);
+    EXPECT_EQ(large->image.height, 3 * plain->image.height);
+    EXPECT_TRUE(same(plain, finished(fresh, at(0.8))));
+    const auto mean = [](const Image8& image) {
+        double sum = 0;
+        for (const std::uint8_t value : image.data) sum += value;
+        return sum / static_cast<double>(image.data.size());
+    };
+    EXPECT_NEAR(mean(large->image), mean(plain->image), 2);
+}
+
 // A frame of seconds ends within a fraction of one when a newer request comes, and what it remembered stays true.
 TEST(ViewSession, NewRequestInterruptsTheFrameInProgress)
 {
