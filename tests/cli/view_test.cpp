@@ -282,6 +282,28 @@ TEST(View, ACameraIsChosenFromTheList)
     EXPECT_EQ(io::read_image(folder / "gnomon-0001.png").data, io::read_image(folder / "render.png").data);
 }
 
+// A key for a side moves the camera until all of a long object is shown, wherever it was before.
+TEST(View, AKeyForASideShowsAllOfALongObject)
+{
+    NEED_WINDOWS();
+    const ScratchFolder folder;
+    std::ofstream(folder / "long.obj") << "v 5 0 0\nv 65 0 0\nv 65 2 0\nv 5 2 0\nf 1 2 3 4\n";
+    const Seen seen =
+        drive(folder, "long.obj", "--background '#f0f' --ground off",
+              "sleep 1\nkey p\nawait gnomon-0001.png\nmousemove 440 120\nclick 4\nclick 4\nclick 4\nclick "
+              "4\nclick 4\nclick 4\nkey d\nkey 1\nsleep 0.5\nkey p\nawait gnomon-0002.png\nkey Escape\n");
+    ASSERT_EQ(seen.code, 0) << seen.err;
+    const Image8 shot = io::read_image(folder / "gnomon-0002.png");
+    std::vector<int> columns;   // that show it in the middle row
+    for (int x = 0; x < shot.width; ++x)
+        if (shot.pixel(x, shot.height / 2)[1] > 20) columns.push_back(x);
+    ASSERT_FALSE(columns.empty());
+    EXPECT_EQ(columns.back() - columns.front() + 1, static_cast<int>(columns.size()));
+    EXPECT_GE(columns.front(), shot.width / 50);
+    EXPECT_LE(columns.back(), shot.width - 1 - shot.width / 50);
+    EXPECT_GT(static_cast<int>(columns.size()), shot.width * 8 / 10);
+}
+
 TEST(View, ReloadsAChangedFile)
 {
     NEED_WINDOWS();

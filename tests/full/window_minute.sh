@@ -44,7 +44,9 @@ typed() { click 60 "$(place)"; pause 0.1; step "key End"; step "key shift+Home";
     step "key Return"; pause 0.3; option=$((option + 1)); }
 chosen() { click 60 "$(place)"; pause 0.4; click 60 $(($(place) + first_entry + entry * $1)); pause 0.4
     option=$((option + 1)); }
+flagged() { click 17 "$(place)"; pause 0.3; click 17 "$(place)"; pause 0.3; option=$((option + 1)); }
 again() { option=$((option - 1)); }
+skip() { option=$((option + 1)); }
 close() { click 150 $((first_row + row * group)); group=$((group + 1)); }
 
 pause 2
@@ -58,16 +60,20 @@ step "key space"; drag 1 40 60 270 60; pause 0.3; step "key Home"; step "key End
 step "key space"
 
 header; chosen 1; pause 2; step "shot raster.png"; again; chosen 0; close                              # output: renderer
-header; typed 12; again; typed 24; close                                                              # frames: fps
+header; typed 12; again; typed 24; skip; close                                                        # frames: fps
 header; typed 0; typed 8; again; typed ''; typed 1; again; typed ''                                   # camera and lights
 typed 'point 0 0.5 0 1 1 1'; again; typed ''; typed "$folder/sky.png"; pause 1; step "shot environment.png"
-again; typed ''; close
-header; typed 2; again; typed 1; typed 4; chosen 1; pause 1; again; chosen 0; close                   # rays
-header; typed 1; again; typed auto; chosen 2; again; chosen 1; chosen 1; pause 1; step "shot states.png"
-typed 0; again; typed ''; again; again; chosen 0; close                                               # look
-header; chosen 1; again; chosen 0; again; chosen 2; chosen 1; again; chosen 2; typed 2; close         # shadows
+again; typed ''; typed off; pause 0.5; again; typed ''; skip; close                                   # ground
+header; typed 2; again; typed 1; chosen 1; again; chosen 0; typed 180; again; typed ''                # rays: samples
+typed 2.8; typed 2; again; typed ''; again; again; typed ''; skip                                     # aperture, focus
+typed 1024; again; typed ''; typed 4; chosen 1; pause 1; again; chosen 0; chosen 1; again; chosen 0; close
+header; typed 1; again; typed auto; chosen 2; again; chosen 1; typed white; again; typed ''           # look
+chosen 1; pause 1; step "shot states.png"; typed 0; again; typed ''; again; again; chosen 0; close
+header; chosen 1; again; chosen 0; again; chosen 2; typed 0.5; again; typed ''                        # shadows
+chosen 1; again; chosen 2; typed 2; close
 header; chosen 1; pause 1; again; chosen 2; pause 1; again; chosen 0; again; chosen 3                 # indirect light
-typed 8; chosen 2; typed 64; typed 4; typed 0.1; typed 0.8; chosen 1; close
+typed 1; again; typed all; typed 8; chosen 2; typed 64; typed 4; typed 0.1; typed 0.8; typed 0.1; flagged; flagged
+chosen 1; close
 
 # The ball at its first position: picked, frozen, and moved by the user while the clip plays.
 step "key c"; step "key space"; step "key Home"; pause 3
@@ -105,9 +111,11 @@ print(f"{ended - began:.0f} s of input, {seen['window_frames']} window frames, t
       f"{images} images, median {median:.0f} ms; {seen['loads']} loads; "
       f"options set: {len(seen['options_set'])}")
 faults = []
-every = {"renderer", "fps", "camera", "turntable", "lights", "light", "environment", "samples", "max-depth", "accelerator",
-         "exposure", "tonemap", "overlay", "overlay-light", "shadow-culling", "shadow-textures", "shadow-filter",
-         "indirect", "indirect-memory", "indirect-on", "rsm-samples", "indirect-level", "depth-threshold", "normal-threshold", "receivers"}
+every = {"renderer", "fps", "camera", "turntable", "lights", "light", "environment", "ground", "samples", "filter", "shutter",
+         "aperture", "focus", "memory", "max-depth", "accelerator", "isa", "exposure", "tonemap", "background", "overlay",
+         "overlay-light", "shadow-culling", "sun-size", "shadow-textures", "shadow-filter", "indirect", "bounces",
+         "indirect-memory", "indirect-on", "rsm-samples", "indirect-level", "depth-threshold", "normal-threshold",
+         "validity-margin", "separate-trees", "cluster-shadows", "receivers"}
 if missing := every - set(seen["options_set"]):
     faults.append("not set: " + ", ".join(sorted(missing)))
 if seen["frozen"] != ["ball"] or seen["moved"] != ["ball"]:
