@@ -33,6 +33,7 @@ void Viewer::Impl::take_scene()
     overrides.list.clear();
     shot_request = video_request = 0;   // request them again with the new scene
     latency.forget();
+    moving.clear();
     panel.picked.reset();
     object_handles.forget();
     pick.reset();
@@ -52,15 +53,17 @@ bool Viewer::Impl::take_image()
     image_ms.push_back(image->times.total());
     ++summary.images;
     if (image->picked && image->scene == scene) panel.picked = image->picked;
-    if (image->request == moving_request) {
-        motion_size.add(requested_divisor,
-                        {.ms = image->times.total(),
-                         .fixed_ms = image->times.fixed,
-                         .light_ms = image->times.ms[ViewTimes::indirect] - image->times.light_maps,
-                         .rays = image->frame.counters.indirect.rays},
-                        holds() ? MotionSize::k_held_ms : MotionSize::k_playing_ms);
-        moving_request = 0;
-    }
+    // Let the first image of a request in motion decide how large the next one is.
+    std::erase_if(moving, [&](const auto& asked) {
+        if (asked.first == image->request)
+            motion_size.add(asked.second,
+                            {.ms = image->times.total(),
+                             .fixed_ms = image->times.fixed,
+                             .light_ms = image->times.ms[ViewTimes::indirect] - image->times.light_maps,
+                             .rays = image->frame.counters.indirect.rays},
+                            holds() ? MotionSize::k_held_ms : MotionSize::k_playing_ms);
+        return asked.first <= image->request;
+    });
     // Save the image if it is the requested screenshot or the next frame of the recording.
     const bool finished = image->frame.complete && image->scene == scene;
     if (wants_screenshot && finished && image->request == shot_request) {
@@ -105,9 +108,11 @@ void Viewer::Impl::ask()
     // What a scene's first image waits for is no input.
     const bool asked = dirty || overrides.list != requested_overrides;
     if (asked && !whole && image && image->scene == scene) latency.note(input->came());
-    // Send one request at a time and let each finish, because every frame fills caches for the next. A sharper image
-    // of what is shown need not finish, so that a drag never waits for it.
-    if (session.busy() && !(moved && session.interruptible())) return;
+    // Let each image in motion finish, because it shows something and fills caches for the next, while the latest
+    // request waits for it. A sharper image of what is shown need not finish, so that a drag never waits for it. An
+    // image to save is neither replaced nor requested before all others are there.
+    const bool replaces = !whole && !requested_whole;
+    if (session.busy() && !(moved && (replaces || session.interruptible()))) return;
     // Delay the recording while images are rendered faster than written, so that they do not fill the memory.
     if (recorder.recording() && recorder.behind()) return;
 
@@ -130,13 +135,14 @@ void Viewer::Impl::ask()
     request.pick = std::exchange(pick, std::nullopt);
 
     // Remember the request, and send it.
+    requested_whole = whole;
     requested_time = time;
     requested_size = size;
     requested_overrides = overrides.list;
     dirty = false;
     const std::uint64_t number = session.ask(std::move(request));
     latency.ask(number);
-    moving_request = whole || sharper ? 0 : number;
+    if (!whole && !sharper) moving.emplace_back(number, requested_divisor);
     if (wants_screenshot) shot_request = number;
     if (recorder.recording()) video_request = number;
 }

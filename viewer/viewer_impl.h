@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "viewer/gl_window.h"
@@ -52,8 +53,9 @@ struct Viewer::Impl {
     Size requested_size{};
     MotionSize motion_size;
     int requested_divisor = 1;
-    std::uint64_t moving_request = 0;   // in motion, and without an image yet; 0: none
-    Clock::time_point moved_at{};       // when something changed last
+    bool requested_whole = false;
+    std::vector<std::pair<std::uint64_t, int>> moving;   // requests in motion without an image yet, and their divisors
+    Clock::time_point moved_at{};                        // when something changed last
     Latency latency;
     bool wants_screenshot = false;
     std::uint64_t shot_request = 0, video_request = 0;   // requests for a screenshot and for the video's next frame
