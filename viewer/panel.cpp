@@ -376,7 +376,7 @@ void Panel::keys()
     };
     for (const auto& [key, action] : k_keys) {
         ImGui::TextUnformatted(key);
-        ImGui::SameLine(ImGui::GetFontSize() * 12);
+        ImGui::SameLine(ImGui::GetFontSize() * 13);
         ImGui::TextUnformatted(action);
     }
     line("Drop a scene file on the window to open it. A file is loaded again when it changes.");

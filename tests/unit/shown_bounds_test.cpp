@@ -35,6 +35,12 @@ TEST(ShownBounds, LeaveOutTheGroundThatTheLibraryAdds)
     renderer.render(scene, input);
     EXPECT_NEAR(renderer.bounds().low.y, 5, 1e-5);
     EXPECT_NEAR(renderer.bounds().high.y, 7, 1e-5);
+    // Far from the origin, too.
+    std::ofstream(folder / "b.obj")
+        << "v 500000 0 0\nv 500002 0 0\nv 500000 2 0\nv 500000 0 3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    renderer.render(load(folder / "b.obj"), 1);
+    EXPECT_NEAR(renderer.bounds().low.x, 500000, 0.1);
+    EXPECT_NEAR(renderer.bounds().high.x, 500002, 0.1);
 }
 
 }   // namespace
