@@ -20,8 +20,9 @@ box=(builtin:cornell --frame 20 --size 320x320)
 states=(builtin:kinetic --frame 60 --size 640x360 --overlay shadow-states --overlay-light 0 --quiet)
 "$program" render "${states[@]}" -o "$out/shadow-states.png"
 "$program" render "${states[@]}" --shadow-culling paper -o "$out/shadow-states-paper.png"
-# Play the clip first, so that the counters are those of frames with filled caches, and pick the ball.
-printf '%s\n' 'sleep 3' 'key space' 'sleep 6' 'key space' 'key Home' 'sleep 3' 'mousemove 410 300' 'click 1' 'sleep 3' \
+# Play the clip first, so that the counters are those of frames with filled caches, and pick the ball. The window is 286
+# pixels wider than the view.
+printf '%s\n' 'sleep 3' 'key space' 'sleep 6' 'key space' 'key Home' 'sleep 3' 'mousemove 553 300' 'click 1' 'sleep 3' \
     'mousemove 960 600' 'sleep 1' 'shot viewer.png' 'key Escape' |
     GNOMON_SCREEN=1024x640 "$here/tests/cli/drive_window.sh" "$out" "$(realpath "$program")" view builtin:cornell \
-        --size 1024x640
+        --size 738x640

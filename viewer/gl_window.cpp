@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "gnomon/error.h"
@@ -23,14 +24,17 @@ std::string last_error()
 
 }   // namespace
 
-GlWindow::GlWindow(Size size, const std::string& title)
+GlWindow::GlWindow(Size size, float beside, const std::string& title)
 {
     if (!glfwInit()) throw MissingError(fmt::format("cannot open a window: {}", last_error()));
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 2);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
     glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
-    handle = glfwCreateWindow(size.width, size.height, title.c_str(), nullptr, nullptr);
+    float scale = 1, unused = 1;
+    if (GLFWmonitor* const monitor = glfwGetPrimaryMonitor()) glfwGetMonitorContentScale(monitor, &scale, &unused);
+    const int width = size.width + static_cast<int>(std::lround(beside * std::max(scale, 1.0f)));
+    handle = glfwCreateWindow(width, size.height, title.c_str(), nullptr, nullptr);
     if (!handle) {
         const std::string why = last_error();
         glfwTerminate();
@@ -77,7 +81,13 @@ void GlWindow::show(const Image8& image)
     }
     glBindTexture(GL_TEXTURE_2D, texture_);
     glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, image.width, image.height, 0, GL_RGB, GL_UNSIGNED_BYTE, image.data.data());
+    const Size size{image.width, image.height};
+    if (size == texture_size_) {
+        glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size.width, size.height, GL_RGB, GL_UNSIGNED_BYTE, image.data.data());
+        return;
+    }
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, size.width, size.height, 0, GL_RGB, GL_UNSIGNED_BYTE, image.data.data());
+    texture_size_ = size;
 }
 
 ImTextureID GlWindow::texture() const

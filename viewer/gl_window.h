@@ -17,9 +17,10 @@ namespace gnomon::viewer {
 
 class GlWindow {
  public:
-    /// @param size  in screen coordinates
+    /// @param size    of the view, in screen coordinates
+    /// @param beside  width of what stands beside the view, in screen coordinates of a screen that enlarges nothing
     /// @throws MissingError  if there is no display or no OpenGL 3
-    GlWindow(Size size, const std::string& title);
+    GlWindow(Size size, float beside, const std::string& title);
     ~GlWindow();
     GlWindow(const GlWindow&) = delete;
     GlWindow& operator=(const GlWindow&) = delete;
@@ -36,6 +37,7 @@ class GlWindow {
 
  private:
     GLuint texture_ = 0;
+    Size texture_size_{};
     bool ui_ = false;
 };
 

@@ -126,9 +126,11 @@ void InputQueue::take(const Event& event, Taken& taken)
     }
 }
 
-void InputQueue::feed()
+bool InputQueue::feed()
 {
     Taken taken;
+    const bool any = !events_.empty();
+    came_ = any ? events_.front().came : std::chrono::steady_clock::now();
     while (!events_.empty() && fits(events_.front(), taken)) {
         take(events_.front(), taken);
         events_.pop_front();
@@ -136,6 +138,7 @@ void InputQueue::feed()
     ImGuiIO& io = ImGui::GetIO();
     io.MousePos = {static_cast<float>(x_), static_cast<float>(y_)};
     std::copy(std::begin(down_), std::end(down_), io.MouseDown);
+    return any;
 }
 
 }   // namespace gnomon::viewer

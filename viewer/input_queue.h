@@ -9,6 +9,7 @@
 // One frame may take several movements, one change of a button, one change of each key, and text followed by a command
 // key. Nothing follows a click in the same frame, because the click may open the widget that the next event is for.
 
+#include <chrono>
 #include <deque>
 #include <functional>
 #include <set>
@@ -27,7 +28,10 @@ class InputQueue {
     InputQueue& operator=(const InputQueue&) = delete;
 
     /// Passes this frame's events to Dear ImGui. Call it between ImGui_ImplGlfw_NewFrame and ImGui::NewFrame.
-    void feed();
+    /// @return whether there were any
+    bool feed();
+    /// When the first of this frame's events came; without any, when feed() was called.
+    std::chrono::steady_clock::time_point came() const { return came_; }
     bool empty() const { return events_.empty(); }
 
  private:
@@ -36,6 +40,7 @@ class InputQueue {
         int code = 0, scancode = 0, action = 0,
             mods = 0;   // GLFW's codes of a button or key; for text, `code` is the character
         double x = 0, y = 0;
+        std::chrono::steady_clock::time_point came = std::chrono::steady_clock::now();
     };
     // The kinds of events that this frame has taken so far.
     struct Taken {
@@ -51,6 +56,7 @@ class InputQueue {
     std::function<void(int)> on_key_;
     std::deque<Event> events_;
     double x_, y_;
+    std::chrono::steady_clock::time_point came_{};
     bool down_[5] = {};
 };
 

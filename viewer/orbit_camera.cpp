@@ -4,27 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "viewer/projection.h"
+
 namespace gnomon::viewer {
 
 namespace {
 
 constexpr float k_steepest = 1.55f;   // radians: just short of straight up
 constexpr float k_nearest = 1e-6f, k_farthest = 1e9f;
-
-bool is_orthographic(const Camera& camera)
-{
-    if (camera.matrix) return camera.matrix->m[15] == 1;
-    return !camera.intrinsics && camera.orthographic_height;
-}
-
-// Half the height of the image plane at distance 1, or of the whole view if orthographic.
-double half_height(const Camera& camera)
-{
-    if (camera.matrix) return 1 / camera.matrix->m[5];
-    if (camera.intrinsics) return camera.intrinsics->size.height / (2 * camera.intrinsics->fy);
-    if (camera.orthographic_height) return *camera.orthographic_height / 2;
-    return std::tan(camera.vertical_fov / 2);
-}
+constexpr double k_filled = 0.92;   // of the view's width or height, by what fits into it
 
 void set_column(Transform& transform, std::size_t column, const glm::vec3& v)
 {
@@ -59,8 +47,9 @@ void OrbitCamera::follow(const Camera& camera, Size size, float distance)
     pivot_ = eye_of(camera) + distance_ * forward;
 
     // Zooming changes the height of an orthographic view, so a matrix becomes a height.
-    orthographic_ = is_orthographic(lens_);
-    half_height_ = static_cast<float>(half_height(lens_)) / (orthographic_ ? distance_ : 1);
+    const ImagePlane plane = image_plane_of(lens_, glm::vec2(size.width, size.height));
+    orthographic_ = plane.orthographic;
+    half_height_ = static_cast<float>(plane.half.y) / (orthographic_ ? distance_ : 1);
     if (orthographic_) lens_.matrix.reset();
 }
 
@@ -137,6 +126,37 @@ void OrbitCamera::look_from(Side side)
     const float quarter = static_cast<float>(k_pi) / 2;
     yaw_ = side == Side::right ? -quarter : side == Side::corner ? -quarter / 2 : 0;
     pitch_ = side == Side::top ? -k_steepest : side == Side::corner ? -std::asin(1 / std::sqrt(3.0f)) : 0;
+}
+
+void OrbitCamera::fit(const Box3& box, Size size)
+{
+    if (box.empty() || !is_finite(box.size())) return;
+    pivot_ = box.centre();
+    const ImagePlane plane = image_plane_of(camera(), glm::vec2(size.width, size.height));
+    // How far the view reaches to the left, right, below and above, as fractions of the distance or of its half height.
+    const double unit = orthographic_ ? plane.half.y : 1;
+    const glm::vec2 low((k_filled * plane.half - plane.centre) / unit),
+        high((k_filled * plane.half + plane.centre) / unit);
+    const glm::vec3 across = right(), ahead = forward(), above = glm::cross(across, ahead);
+    float distance = k_nearest, half_height = k_nearest;   // the least that show every corner
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 sign(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+        const glm::vec3 arm = 0.5f * sign * box.size();
+        const float nearer = -glm::dot(arm, ahead);
+        const glm::vec2 place(glm::dot(arm, across), glm::dot(arm, above));
+        float needed = 0;
+        for (int axis = 0; axis < 2; ++axis) {
+            // A view that is shifted past its axis on this side cannot show the pivot, so it decides nothing.
+            const float reach = place[axis] > 0 ? high[axis] : low[axis];
+            if (reach > 0) needed = std::max(needed, std::abs(place[axis]) / reach);
+        }
+        half_height = std::max(half_height, needed);
+        distance = std::max(distance, nearer + (orthographic_ ? 0 : needed));
+    }
+    // An orthographic camera stands clear of the box, and its height shows it.
+    if (orthographic_) distance = std::max(distance, box.diagonal());
+    distance_ = std::clamp(distance, k_nearest, k_farthest);
+    if (orthographic_) half_height_ = half_height / distance_;
 }
 
 Camera OrbitCamera::camera() const

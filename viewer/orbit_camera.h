@@ -39,6 +39,9 @@ class OrbitCamera {
     static std::optional<Side> side_of(int character);
     /// Looks at the pivot from a side, at the same distance.
     void look_from(Side side);
+    /// Makes a box's centre the pivot, and moves along the view until all of the box is shown, if it is not empty.
+    /// @param size  of the images that the camera makes
+    void fit(const Box3& box, Size size);
 
     /// The camera as it stands now, with its transform to the world.
     Camera camera() const;

@@ -19,6 +19,10 @@ namespace {
 constexpr ImU32 k_stage_colors[ViewTimes::k_stages] = {IM_COL32(229, 159, 53, 255), IM_COL32(94, 167, 107, 255),
                                                        IM_COL32(66, 133, 201, 255), IM_COL32(171, 120, 184, 255)};
 
+constexpr float k_font_size = 13;        // the smallest
+constexpr float k_least_width = 180;     // of the panel, with that font
+constexpr float k_least_views = 1.75f;   // widths of the panel that a window has where the view lies beside it
+
 constexpr float k_least_percent = 1, k_most_percent = 10000;   // of a held object's size
 
 // Whether the option changes the scene, which then has to be loaded again, and not just a frame of it.
@@ -336,11 +340,16 @@ UserOverride& Panel::freeze(OverrideList& overrides)
     return overrides.list.back();
 }
 
+float Panel::middle_of_view() const
+{
+    const float left = docked_width();
+    return left + (ImGui::GetIO().DisplaySize.x - left) / 2;
+}
+
 void Panel::keys()
 {
     if (!help) return;
-    ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x / 2, ImGui::GetIO().DisplaySize.y / 2}, ImGuiCond_Always,
-                            {0.5f, 0.5f});
+    ImGui::SetNextWindowPos({middle_of_view(), ImGui::GetIO().DisplaySize.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
     ImGui::Begin("Keys", &help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
     static constexpr const char* k_keys[][2] = {
         {"left drag", "orbit around the pivot"},
@@ -353,7 +362,7 @@ void Panel::keys()
         {"G", "show or hide these handles"},
         {"F", "aim at the picked object"},
         {"C, Enter", "use the scene's camera"},
-        {"1, 3, 7, 9", "look from the front, the right, above, a corner"},
+        {"1, 3, 7, 9", "see all from the front, the right, above, a corner"},
         {"space", "play or pause"},
         {"left, right", "step one frame back or forward"},
         {"Home, End", "go to the first or last frame"},
@@ -367,7 +376,7 @@ void Panel::keys()
     };
     for (const auto& [key, action] : k_keys) {
         ImGui::TextUnformatted(key);
-        ImGui::SameLine(ImGui::GetFontSize() * 12);
+        ImGui::SameLine(ImGui::GetFontSize() * 13);
         ImGui::TextUnformatted(action);
     }
     line("Drop a scene file on the window to open it. A file is loaded again when it changes.");
@@ -406,6 +415,28 @@ void Panel::legend(const std::string& overlay)
     ImGui::End();
 }
 
+float Panel::docked_width() const
+{
+    return shown && ImGui::GetIO().DisplaySize.x >= k_least_views * width_ ? width_ : 0;
+}
+
+// Begins the panel's window: at the window's left edge, as tall as the window, and as wide as the user makes it.
+void Panel::begin_docked()
+{
+    const ImVec2 display = ImGui::GetIO().DisplaySize;
+    const float unit = ImGui::GetFontSize() / k_font_size;
+    if (width_ == 0) width_ = k_width * unit;
+    ImGui::SetNextWindowPos({0, 0});
+    ImGui::SetNextWindowSize({k_width * unit, display.y}, ImGuiCond_FirstUseEver);
+    ImGui::SetNextWindowSizeConstraints({k_least_width * unit, display.y},
+                                        {std::max(k_width * unit, display.x / k_least_views), display.y});
+    ImGui::SetNextWindowBgAlpha(docked_width() > 0 ? 1 : 0.85f);
+    ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
+    ImGui::Begin("Gnomon", &shown, ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoCollapse);
+    ImGui::PopStyleVar();
+    width_ = ImGui::GetWindowWidth();
+}
+
 PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, OverrideList& overrides, const Scene* scene,
                         const ViewImage* image, const LoadState& load, bool own_camera, bool recording)
 {
@@ -415,8 +446,7 @@ PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, OverrideList
 
     // Show the progress of loading at the bottom and the latest error or message at the top.
     if (load.loading) {
-        ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x / 2, ImGui::GetIO().DisplaySize.y - 20}, ImGuiCond_Always,
-                                {0.5f, 1});
+        ImGui::SetNextWindowPos({middle_of_view(), ImGui::GetIO().DisplaySize.y - 20}, ImGuiCond_Always, {0.5f, 1});
         ImGui::Begin("##loading", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoDecoration);
         line(fmt::format("{}: {} {:.0f} %", load.file, load.stage, 100 * load.done));
         ImGui::ProgressBar(static_cast<float>(load.done), {ImGui::GetFontSize() * 24, 0}, "");
@@ -425,7 +455,7 @@ PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, OverrideList
     const std::string& error = load.error.empty() ? load.frame_error : load.error;
     const std::string& notice = error.empty() ? message : error;
     if (!notice.empty()) {
-        ImGui::SetNextWindowPos({ImGui::GetIO().DisplaySize.x / 2, 10}, ImGuiCond_Always, {0.5f, 0});
+        ImGui::SetNextWindowPos({middle_of_view(), 10}, ImGuiCond_Always, {0.5f, 0});
         ImGui::Begin("##message", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoDecoration);
         ImGui::PushTextWrapPos(ImGui::GetFontSize() * 40);
         line(notice);
@@ -435,10 +465,7 @@ PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, OverrideList
     if (!shown) return events;
 
     // Draw the panel itself.
-    ImGui::SetNextWindowPos({8, 8}, ImGuiCond_FirstUseEver);
-    ImGui::SetNextWindowSize({ImGui::GetFontSize() * 22, ImGui::GetIO().DisplaySize.y - 16}, ImGuiCond_FirstUseEver);
-    ImGui::SetNextWindowBgAlpha(0.85f);
-    ImGui::Begin("Gnomon", &shown);
+    begin_docked();
     if (scene) player(playback, *scene);
     if (scene) lists(settings, *scene, load.loads, events);
     if (ImGui::Button("Screenshot")) events.screenshot = true;

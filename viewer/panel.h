@@ -58,6 +58,11 @@ struct OverrideList {
 
 class Panel {
  public:
+    /// Of the panel when the window opens, with the smallest font.
+    static constexpr float k_width = 286;
+    /// What the panel takes of the window's width, at its left; 0 while it is hidden, and in a window so narrow that it
+    /// lies above the view.
+    float docked_width() const;
     /// Draws all panels for one frame of the window and returns what the user did.
     PanelEvents draw(ViewSettings& settings, Playback& playback, OverrideList& overrides, const Scene* scene,
                      const ViewImage* image, const LoadState& load, bool own_camera, bool recording);
@@ -85,7 +90,11 @@ class Panel {
     void keys();
     static void legend(const std::string& overlay);
 
+    void begin_docked();
+    float middle_of_view() const;
+
     TimeGraph graph_;
+    float width_ = 0;                  // 0: not drawn yet
     const Scene* listed_ = nullptr;    // the scene of which the lists are,
     std::uint64_t listed_loads_ = 0;   // and how many were loaded until then
     std::vector<std::pair<std::string, std::string>> clips_, cameras_, variants_;   // labels and options' values

@@ -18,6 +18,30 @@ glm::dmat4 matrix_of(const Transform& transform)
     return matrix;
 }
 
+ImagePlane image_plane_of(const Camera& camera, const glm::vec2& size)
+{
+    ImagePlane plane;
+    if (camera.matrix) {
+        const auto& p = camera.matrix->m;
+        plane.orthographic = p[15] == 1;
+        plane.half = {1 / p[0], 1 / p[5]};
+        plane.centre =
+            plane.orthographic ? glm::dvec2(-p[12] / p[0], -p[13] / p[5]) : glm::dvec2(p[8] / p[0], p[9] / p[5]);
+    } else if (camera.intrinsics) {
+        const Intrinsics& lens = *camera.intrinsics;
+        const glm::dvec2 pixels =
+            lens.size.width > 0 ? glm::dvec2(lens.size.width, lens.size.height) : glm::dvec2(size);
+        plane.half = {pixels.x / (2 * lens.fx), pixels.y / (2 * lens.fy)};
+        plane.centre = {(pixels.x / 2 - lens.cx) / lens.fx, (lens.cy - pixels.y / 2) / lens.fy};
+    } else {
+        plane.orthographic = camera.orthographic_height.has_value();
+        plane.half.y = plane.orthographic ? *camera.orthographic_height / 2 : std::tan(camera.vertical_fov / 2);
+        plane.half.x = plane.half.y * static_cast<double>(size.x / size.y);
+        plane.centre = 2 * plane.half.y * glm::dvec2(camera.shift_x, camera.shift_y);
+    }
+    return plane;
+}
+
 Projection::Projection(const Camera& camera, const glm::vec2& size)
 {
     const auto& m = camera.transform.m;
@@ -28,25 +52,9 @@ Projection::Projection(const Camera& camera, const glm::vec2& size)
     }
     eye_ = glm::vec3(glm::dvec3(m[12], m[13], m[14]));
 
-    glm::dvec2 half, centre(0);
-    if (camera.matrix) {
-        const auto& p = camera.matrix->m;
-        orthographic_ = p[15] == 1;
-        half = {1 / p[0], 1 / p[5]};
-        centre = orthographic_ ? glm::dvec2(-p[12] / p[0], -p[13] / p[5]) : glm::dvec2(p[8] / p[0], p[9] / p[5]);
-    } else if (camera.intrinsics) {
-        const Intrinsics& lens = *camera.intrinsics;
-        const glm::dvec2 pixels =
-            lens.size.width > 0 ? glm::dvec2(lens.size.width, lens.size.height) : glm::dvec2(size);
-        half = {pixels.x / (2 * lens.fx), pixels.y / (2 * lens.fy)};
-        centre = {(pixels.x / 2 - lens.cx) / lens.fx, (lens.cy - pixels.y / 2) / lens.fy};
-    } else {
-        orthographic_ = camera.orthographic_height.has_value();
-        half.y = orthographic_ ? *camera.orthographic_height / 2 : std::tan(camera.vertical_fov / 2);
-        half.x = half.y * static_cast<double>(size.x / size.y);
-        centre = 2 * half.y * glm::dvec2(camera.shift_x, camera.shift_y);
-    }
-    half_ = glm::vec2(half), centre_ = glm::vec2(centre);
+    const ImagePlane plane = image_plane_of(camera, size);
+    half_ = glm::vec2(plane.half), centre_ = glm::vec2(plane.centre);
+    orthographic_ = plane.orthographic;
 }
 
 std::optional<glm::vec2> Projection::place_of(const glm::vec3& point) const

@@ -11,6 +11,14 @@ namespace gnomon::viewer {
 
 glm::dmat4 matrix_of(const Transform& transform);
 
+/// What a camera's image shows of the plane at distance 1 in front of it, or of the whole view if it is orthographic.
+struct ImagePlane {
+    glm::dvec2 half{1}, centre{0};   // half of width and height, and the middle, from the axis along which it looks
+    bool orthographic = false;
+};
+/// @param size  of the image that the camera makes, in any unit
+ImagePlane image_plane_of(const Camera& camera, const glm::vec2& size);
+
 class Projection {
  public:
     /// @param size  of the image that the camera makes, in any unit
@@ -31,7 +39,7 @@ class Projection {
  private:
     glm::mat3 axes_{1};   // the camera's, in world space
     glm::vec3 eye_{0};
-    glm::vec2 half_{1}, centre_{0};   // of the image plane at distance 1, or of the whole view if orthographic
+    glm::vec2 half_{1}, centre_{0};   // as ImagePlane has them
     bool orthographic_ = false;
 };
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "gnomon/error.h"
+#include "viewer/enlarge.h"
 #include "viewer/projection.h"
 
 namespace gnomon::viewer {
@@ -81,6 +82,20 @@ bool has_ids(const RenderOptions& options)
     return options.overlay == Overlay::none || options.overlay == Overlay::redrawn;
 }
 
+// What a frame with the layers "id" and "normal" shows; empty without them.
+std::vector<SeenSurface> surfaces_of(const Frame& frame)
+{
+    std::vector<SeenSurface> surfaces;
+    const Layer *const ids = frame.layer("id"), *const normals = frame.layer("normal");
+    if (!ids || !normals) return surfaces;
+    surfaces.reserve(static_cast<std::size_t>(frame.size.width) * static_cast<std::size_t>(frame.size.height));
+    for (int y = 0; y < frame.size.height; ++y)
+        for (int x = 0; x < frame.size.width; ++x)
+            surfaces.push_back(
+                {ids->id(x, y), {normals->value(x, y, 0), normals->value(x, y, 1), normals->value(x, y, 2)}});
+    return surfaces;
+}
+
 // The value of an instance in a layer of ids; 0: it is not seen.
 std::uint32_t layer_value_of(const Scene& scene, const InstanceId& instance, const Layer& ids)
 {
@@ -122,6 +137,8 @@ ViewTimes times_of(const Frame& frame, double encoding)
     times.ms[ViewTimes::scene] = sum({FrameTimes::scene});
     times.ms[ViewTimes::direct] = sum({FrameTimes::rays, FrameTimes::surfaces, FrameTimes::shadows});
     times.ms[ViewTimes::indirect] = sum({FrameTimes::light_maps, FrameTimes::indirect, FrameTimes::indirect_mirrored});
+    times.light_maps = frame.times.ms[FrameTimes::light_maps];
+    times.fixed = times.light_maps + frame.times.ms[FrameTimes::scene];
     times.ms[ViewTimes::rest] = std::max(frame.milliseconds - times.total(), 0.0) + encoding;
     return times;
 }
@@ -159,8 +176,11 @@ double ViewTimes::total() const
     return sum;
 }
 
-ViewSession::ViewSession(int threads, std::uint64_t rays_a_frame)
-    : threads_(threads), rays_a_frame_(rays_a_frame), renderer_({.threads = threads, .interactive = true})
+ViewSession::ViewSession(int threads, std::uint64_t rays_a_frame, std::function<void()> changed)
+    : threads_(threads),
+      rays_a_frame_(rays_a_frame),
+      changed_(std::move(changed)),
+      renderer_({.threads = threads, .interactive = true})
 {
     load_thread_ = std::jthread([this](const std::stop_token& stop) { load_loop(stop); });
     render_thread_ = std::jthread([this](const std::stop_token& stop) { render_loop(stop); });
@@ -235,12 +255,18 @@ std::shared_ptr<const ViewImage> ViewSession::image(std::uint64_t newer_than) co
     return image_ && image_->number > newer_than ? image_ : nullptr;
 }
 
+void ViewSession::tell() const
+{
+    if (changed_) changed_();
+}
+
 void ViewSession::fail(std::uint64_t request, const std::string& message)
 {
     const std::lock_guard lock(mutex_);
     state_.frame_error = message;
     state_.failed = request;
     state_.trouble = std::current_exception();
+    tell();
 }
 
 void ViewSession::load_loop(const std::stop_token& stop)
@@ -261,6 +287,7 @@ void ViewSession::load_loop(const std::stop_token& stop)
             const std::lock_guard lock(mutex_);
             state_.stage = step.stage;
             state_.done = step.done;
+            tell();
             return !stop.stop_requested() && !wanted_;
         };
         std::string error;
@@ -303,6 +330,7 @@ void ViewSession::load_loop(const std::stop_token& stop)
         state_.loading = false;
         state_.error = error;
         state_.trouble = trouble;
+        tell();
     }
 }
 
@@ -357,6 +385,7 @@ bool ViewSession::publish(std::shared_ptr<ViewImage> image, ViewRequest& request
     rendering_ = false;
     state_.frame_error.clear();
     state_.failed = 0;
+    tell();
     if (request_) return true;
     refining_ = lacking;
     if (!lacking) return false;
@@ -376,13 +405,18 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     }
     std::optional<Picked> picked = picked_before(scene);
     RenderOptions options = window_options(request, *scene, threads_);
-    options.ids = has_ids(options) && (request.pick || (picked && picked->instance));
+    const bool enlarges = request.enlarge > 1 && !request.whole && options.overlay == Overlay::none &&
+                          options.renderer == RenderMethod::trace;
+    options.layers = enlarges;   // for normals
+    options.ids = has_ids(options) && (enlarges || request.pick || (picked && picked->instance));
     renderer_.set_options(options);
     FrameInput input;
     input.time = request.time;
     input.camera = request.orbit;
     input.turn = request.turn;
     input.indirect_ray_limit = request.whole ? 0 : rays_a_frame_;
+    if (!request.whole && !refines && request.rays)
+        input.indirect_ray_limit = std::clamp<std::uint64_t>(*request.rays, 1, rays_a_frame_);
     hand_over_overrides(*scene, request, input);
 
     // Render the frame; a newer request interrupts it if it only refines what is shown.
@@ -397,6 +431,7 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     const Clock::time_point start = Clock::now();
     image->image.width = frame.size.width, image->image.height = frame.size.height, image->image.channels = 3;
     image->image.data = frame.to_srgb8();
+    if (enlarges) image->image = enlarged(image->image, surfaces_of(frame), request.enlarge);
     image->times = times_of(frame, milliseconds_since(start));
 
     // Describe it.

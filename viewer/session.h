@@ -10,6 +10,7 @@
 #include <condition_variable>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -54,6 +55,9 @@ struct ViewRequest {
     /// A newer request ends its rendering, because it only shows the last image more sharply. Ignored with a pick, for
     /// a whole frame, and where the renderer would forget much.
     bool interruptible = false;
+    /// Limit of the first image's rays of indirect light, if it is less than the session's.
+    std::optional<std::uint64_t> rays;
+    int enlarge = 1;   // how many times as wide its images are, with sharp edges between surfaces (viewer/enlarge.h)
     std::uint64_t number = 0;   // given by ask()
 };
 
@@ -62,6 +66,8 @@ struct ViewTimes {
     enum Stage { scene, direct, indirect, rest, k_stages };
     static const char* name(int stage);
     double ms[k_stages] = {};   // a rasterised frame is `rest` as a whole
+    double light_maps = 0;      // of `indirect`: what any number of pixels takes
+    double fixed = 0;           // in all, what any number of pixels takes
     double total() const;
 };
 
@@ -79,7 +85,7 @@ struct Picked {
 struct ViewImage {
     std::shared_ptr<const Scene> scene;
     Frame frame;     // without layers, unless the request was for a whole frame
-    Image8 image;    // the frame in sRGB
+    Image8 image;    // the frame in sRGB, or enlarged
     Camera camera;   // with which it was rendered
     Box3 bounds;     // of the scene
     ViewTimes times;
@@ -124,7 +130,8 @@ class ViewSession {
     /// About 50 ms on two cores.
     static constexpr std::uint64_t k_rays_a_frame = 1u << 18;
     /// @param rays_a_frame  limit of an image's rays of indirect light; the missing light comes with the next image
-    explicit ViewSession(int threads, std::uint64_t rays_a_frame = k_rays_a_frame);
+    /// @param changed       called from threads of the session when it has news: an image, a scene, an error, progress
+    explicit ViewSession(int threads, std::uint64_t rays_a_frame = k_rays_a_frame, std::function<void()> changed = {});
     ~ViewSession();
 
     /// Starts to load a scene. The one before stays until this one is loaded, or for good if loading fails.
@@ -156,9 +163,11 @@ class ViewSession {
     Picked pick(const Scene& scene, const Frame& frame, const glm::vec2& place);
     std::optional<Picked> picked_before(const std::shared_ptr<const Scene>& scene) const;
     void fail(std::uint64_t request, const std::string& message);
+    void tell() const;
 
     int threads_;
     std::uint64_t rays_a_frame_;
+    std::function<void()> changed_;
     mutable std::mutex mutex_;
     std::condition_variable_any to_load_, to_render_;
     std::optional<SceneRecipe> wanted_;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "viewer/latency.h"
 #include "viewer/settings.h"
 
 namespace gnomon::viewer {
@@ -18,10 +19,7 @@ struct ViewSummary {
     double longest_ms = 0;   // longest frame of the window, without waiting for the screen
     double median_image_ms = 0;
     /// How long inputs that change the image waited for one that shows them: drags, keys, options.
-    struct Latency {
-        std::uint64_t inputs = 0;
-        double median_ms = 0, longest_ms = 0;
-    } latency;
+    Latency::Summary latency;
     std::vector<std::string> files;        // files written
     std::set<std::string> options_set;     // options set in the panel
     std::set<std::string> frozen, moved;   // objects that the user froze or moved

@@ -145,6 +145,7 @@ void FrameEngine::forget()
     memory_ = {};
     buffers_ = memory_.take();
     turn_centre_.reset();
+    shown_bounds_.forget();
     first_frame_ = true;
     advanced_ = false;
     has_frame_ = false;
@@ -259,6 +260,7 @@ bool FrameEngine::continue_with(const std::shared_ptr<const scene::Scene>& scene
     if (state_before_) state_before_->continue_with(*next), before_lags_ = true;
     scene_ = scene;
     turn_centre_.reset();
+    shown_bounds_.forget();
     nah_.reset();
     map_.reset();
     raster_.reset();
@@ -669,9 +671,10 @@ void FrameEngine::make_certificates(const std::function<bool()>& go_on)
     if (certified_) certified_->judge(tasks_, go_on);
 }
 
-Box3 FrameEngine::bounds() const
+Box3 FrameEngine::bounds()
 {
     GNOMON_CHECK(state_);
+    if (ShownBounds::adds_to(state_->scene())) return shown_bounds_.of(*state_);
     return rays_ ? rays_->bounds() : scene_->bounds(state_->time());
 }
 

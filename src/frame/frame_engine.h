@@ -25,6 +25,7 @@
 #include "frame/frame_memory.h"
 #include "frame/host_values.h"
 #include "frame/rasterizer.h"
+#include "frame/shown_bounds.h"
 #include "frame/shutter.h"
 #include "gnomon/renderer.h"
 #include "irradiance_cache/irradiance_cache.h"
@@ -175,8 +176,8 @@ class FrameEngine {
     PickedPoint hit_at(const scene::View& view, const glm::ivec2& pixel);
     /// The ray scene. There is one unless all frames of the scene were rasterised without the irradiance cache.
     const ray::RayScene& rays() const { return *rays_; }
-    /// Bounds of everything visible; with rays, of what they can hit.
-    Box3 bounds() const;
+    /// Bounds of everything visible that the library did not add by itself.
+    Box3 bounds();
 
     /// Discards the scene and all caches.
     void forget();
@@ -227,6 +228,7 @@ class FrameEngine {
     MemoryLimit limit_;         // likewise
     Plan plan_;                 // likewise
     std::optional<glm::vec3> turn_centre_;
+    ShownBounds shown_bounds_;
 
     scene::SizedLights sized_;                          // of traced frames; follows every advance()
     std::unique_ptr<trace::ProvenVisibility> proven_;   // of the lights with size; saw the last advance()

@@ -32,6 +32,7 @@ bool has_device()
                                [](const nlohmann::json& device) { return device["suitable"] == true; });
 }
 
+// The panel stands at the window's left and is 286 pixels wide; --size is that of the view beside it.
 struct Seen {
     int code = -1;
     nlohmann::json json;
@@ -60,7 +61,7 @@ TEST(View, ScreenshotEqualsTheRenderedImageAfterAnyInteraction)
     // Play, rotate, approach, fly, pick, panels, overlays, other sizes; then the scene's own camera and the first
     // frame.
     const Seen seen = drive(folder, "builtin:cornell", "",
-                            "sleep 1\nmousemove 250 200\nmousedown 1\nmousemove 200 180\nmousemove 150 170\nmouseup 1\n"
+                            "sleep 1\nmousemove 536 200\nmousedown 1\nmousemove 486 180\nmousemove 436 170\nmouseup 1\n"
                             "click 4\nclick 5\nkey w\nkey d\nclick 1\nsleep 0.5\nkey f\nkey o\nsleep 0.5\nkey o\n"
                             "key h\nkey h\nkey Tab\nkey space\nkey Right\nkey Left\nresize 400 200\nsleep 0.5\n"
                             "resize 320 240\nsleep 0.5\nkey c\nkey Home\nsleep 0.3\nkey p\nawait gnomon-0001.png\n"
@@ -76,7 +77,7 @@ TEST(View, ScreenshotEqualsTheRenderedImageAfterAnyInteraction)
     const Image8 shot = io::read_image(folder / "gnomon-0001.png"), truth = io::read_image(folder / "render.png");
     EXPECT_EQ(shot.width, 320);
     EXPECT_EQ(shot.data, truth.data);
-    // Check the middle of the window, away from the panel.
+    // Check the right half of the window, whose panel is hidden.
     const Image8 screen = io::read_image(folder / "screen.png");
     int near = 0;
     for (int y = 60; y < 180; ++y)
@@ -92,7 +93,8 @@ TEST(View, HandlesMoveThePickedObject)
     const ScratchFolder folder;
     // Screenshots wait for the first image, and for the one in which the ball is picked.
     const std::string begin =
-        "sleep 1\nkey space\nkey Home\nkey Tab\nkey p\nawait gnomon-0001.png\nmousemove 300 270\nclick 1\nkey p\nawait "
+        "sleep 1\nkey space\nkey Home\nkey Tab\nresize 800 600\nsleep 0.5\nkey p\nawait gnomon-0001.png\nmousemove 300 "
+        "270\nclick 1\nkey p\nawait "
         "gnomon-0002.png\n"
         "mousemove 304 230\nmousedown 1\nmousemove 304 200\nmousemove 304 150\nsleep 0.5\n";
     const Seen moved = drive(folder, "builtin:cornell", "",
@@ -126,7 +128,7 @@ TEST(View, ShowsTheRasterisedFrame)
     NEED_DEVICE();
     const ScratchFolder folder;
     const Seen seen = drive(folder, "builtin:cornell", "--renderer raster",
-                            "sleep 2\nmousemove 250 200\nclick 1\nkey c\nkey Home\nsleep 0.5\nkey p\n"
+                            "sleep 2\nmousemove 536 200\nclick 1\nkey c\nkey Home\nsleep 0.5\nkey p\n"
                             "await gnomon-0001.png\nkey Escape\n");
     ASSERT_EQ(seen.code, 0) << seen.err;
     const Outcome rendered = run({"render", "builtin:cornell", "--frame", "1", "--size", "320x240", "--renderer",
@@ -216,8 +218,8 @@ TEST(View, FailingFrameEndsTheRecordingAndKeepsTheVideo)
     const ScopedVariable none("VK_DRIVER_FILES", "/nowhere.json"), none_either("VK_ICD_FILENAMES", "/nowhere.json");
     // The panel's first option is the renderer; its second choice needs a driver.
     const Seen seen = drive(folder, "builtin:cornell", "--indirect off",
-                            "sleep 1\nkey Home\nkey r\nsleep 1\nmousemove 150 356\nclick 1\nsleep 0.5\n"
-                            "mousemove 60 379\nclick 1\nsleep 0.5\nmousemove 60 424\nclick 1\n"
+                            "sleep 1\nkey Home\nkey r\nsleep 1\nmousemove 150 348\nclick 1\nsleep 0.5\n"
+                            "mousemove 60 371\nclick 1\nsleep 0.5\nmousemove 60 416\nclick 1\n"
                             "await gnomon-0001.mp4\nkey Escape\n",
                             "400x500");
     ASSERT_EQ(seen.code, 0) << seen.err;
@@ -233,7 +235,7 @@ TEST(View, AClipIsChosenFromTheList)
     const ScratchFolder folder;
     write_two_clips(folder / "two.gltf");
     const Seen seen = drive(folder, "two.gltf", "",
-                            "sleep 1\nmousemove 90 91\nclick 1\nsleep 0.7\nmousemove 60 149\nclick 1\nsleep 2\n"
+                            "sleep 1\nmousemove 90 83\nclick 1\nsleep 0.7\nmousemove 60 141\nclick 1\nsleep 2\n"
                             "mousemove 350 300\nkey Home\nkey Right\nkey Right\nkey Right\nsleep 0.5\nkey p\n"
                             "await gnomon-0001.png\nkey Escape\n",
                             "400x500");
@@ -265,7 +267,7 @@ TEST(View, ACameraIsChosenFromTheList)
     std::ofstream(folder / "two.gltf") << text;
     const Seen seen = drive(folder, "two.gltf", "",
                             "sleep 1\nmousemove 380 300\nmousedown 1\nmousemove 370 320\nmousemove 360 350\nmouseup 1\n"
-                            "sleep 0.5\nmousemove 90 114\nclick 1\nsleep 0.7\nmousemove 60 172\nclick 1\nsleep 1\n"
+                            "sleep 0.5\nmousemove 90 106\nclick 1\nsleep 0.7\nmousemove 60 164\nclick 1\nsleep 1\n"
                             "mousemove 350 300\nkey Home\nsleep 0.5\nkey p\nawait gnomon-0001.png\nkey Escape\n",
                             "400x500");
     ASSERT_EQ(seen.code, 0) << seen.err;
@@ -278,6 +280,28 @@ TEST(View, ACameraIsChosenFromTheList)
                                   "--samples", "1", "-o", folder / "render.png"});
     ASSERT_EQ(rendered.code, 0) << rendered.err;
     EXPECT_EQ(io::read_image(folder / "gnomon-0001.png").data, io::read_image(folder / "render.png").data);
+}
+
+// A key for a side moves the camera until all of a long object is shown, wherever it was before.
+TEST(View, AKeyForASideShowsAllOfALongObject)
+{
+    NEED_WINDOWS();
+    const ScratchFolder folder;
+    std::ofstream(folder / "long.obj") << "v 5 0 0\nv 65 0 0\nv 65 2 0\nv 5 2 0\nf 1 2 3 4\n";
+    const Seen seen =
+        drive(folder, "long.obj", "--background '#f0f' --ground off",
+              "sleep 1\nkey p\nawait gnomon-0001.png\nmousemove 440 120\nclick 4\nclick 4\nclick 4\nclick "
+              "4\nclick 4\nclick 4\nkey d\nkey 1\nsleep 0.5\nkey p\nawait gnomon-0002.png\nkey Escape\n");
+    ASSERT_EQ(seen.code, 0) << seen.err;
+    const Image8 shot = io::read_image(folder / "gnomon-0002.png");
+    std::vector<int> columns;   // that show it in the middle row
+    for (int x = 0; x < shot.width; ++x)
+        if (shot.pixel(x, shot.height / 2)[1] > 20) columns.push_back(x);
+    ASSERT_FALSE(columns.empty());
+    EXPECT_EQ(columns.back() - columns.front() + 1, static_cast<int>(columns.size()));
+    EXPECT_GE(columns.front(), shot.width / 50);
+    EXPECT_LE(columns.back(), shot.width - 1 - shot.width / 50);
+    EXPECT_GT(static_cast<int>(columns.size()), shot.width * 8 / 10);
 }
 
 TEST(View, ReloadsAChangedFile)

@@ -16,7 +16,7 @@ set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 program=$(realpath "$1")
 GNOMON_DROP_FILE=$(realpath "$2")
-export GNOMON_DROP_FILE GNOMON_SCREEN=900x1000 GNOMON_VULKAN_VALIDATION=1
+export GNOMON_DROP_FILE GNOMON_SCREEN=1200x1000 GNOMON_VULKAN_VALIDATION=1
 command -v Xvfb >/dev/null && command -v xdotool >/dev/null || { echo "skipped: no Xvfb or no xdotool"; exit 77; }
 folder=${3:-$(mktemp -d)}
 mkdir -p "$folder"
@@ -26,8 +26,9 @@ mkdir -p "$folder"
 printf 'v 0 0 0\nv 2 0 0\nv 0 2 0\nv 0 0 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >"$folder/second.obj"
 "$program" render "$folder/second.obj" -o "$folder/sky.png" --size 64x32 --quiet 2>/dev/null
 
-# The panel's rows in pixels, with the default font and no object picked.
-first_row=356 row=23 first_entry=28 entry=17
+# The panel's rows in pixels, with the default font and no object picked. The panel is 286 pixels wide, and the view
+# stands beside it.
+first_row=348 row=23 first_entry=28 entry=17
 
 declare -a steps=()
 step() { steps+=("$*"); }
@@ -43,7 +44,9 @@ typed() { click 60 "$(place)"; pause 0.1; step "key End"; step "key shift+Home";
     step "key Return"; pause 0.3; option=$((option + 1)); }
 chosen() { click 60 "$(place)"; pause 0.4; click 60 $(($(place) + first_entry + entry * $1)); pause 0.4
     option=$((option + 1)); }
+flagged() { click 17 "$(place)"; pause 0.3; click 17 "$(place)"; pause 0.3; option=$((option + 1)); }
 again() { option=$((option - 1)); }
+skip() { option=$((option + 1)); }
 close() { click 150 $((first_row + row * group)); group=$((group + 1)); }
 
 pause 2
@@ -53,24 +56,28 @@ drag 2 600 500 640 480
 for _ in 1 2 3; do click 600 500 4; click 600 500 5; done
 for k in w a s d e q; do step "keydown $k"; pause 0.25; step "keyup $k"; done
 step "key h"; pause 0.3; step "key h"
-step "key space"; drag 1 40 68 270 68; pause 0.3; step "key Home"; step "key End"; step "key Left"; step "key Right"
+step "key space"; drag 1 40 60 270 60; pause 0.3; step "key Home"; step "key End"; step "key Left"; step "key Right"
 step "key space"
 
 header; chosen 1; pause 2; step "shot raster.png"; again; chosen 0; close                              # output: renderer
-header; typed 12; again; typed 24; close                                                              # frames: fps
+header; typed 12; again; typed 24; skip; close                                                        # frames: fps
 header; typed 0; typed 8; again; typed ''; typed 1; again; typed ''                                   # camera and lights
 typed 'point 0 0.5 0 1 1 1'; again; typed ''; typed "$folder/sky.png"; pause 1; step "shot environment.png"
-again; typed ''; close
-header; typed 2; again; typed 1; typed 4; chosen 1; pause 1; again; chosen 0; close                   # rays
-header; typed 1; again; typed auto; chosen 2; again; chosen 1; chosen 1; pause 1; step "shot states.png"
-typed 0; again; typed ''; again; again; chosen 0; close                                               # look
-header; chosen 1; again; chosen 0; again; chosen 2; chosen 1; again; chosen 2; typed 2; close         # shadows
+again; typed ''; typed off; pause 0.5; again; typed ''; skip; close                                   # ground
+header; typed 2; again; typed 1; chosen 1; again; chosen 0; typed 180; again; typed ''                # rays: samples
+typed 2.8; typed 2; again; typed ''; again; again; typed ''; skip                                     # aperture, focus
+typed 1024; again; typed ''; typed 4; chosen 1; pause 1; again; chosen 0; chosen 1; again; chosen 0; close
+header; typed 1; again; typed auto; chosen 2; again; chosen 1; typed white; again; typed ''           # look
+chosen 1; pause 1; step "shot states.png"; typed 0; again; typed ''; again; again; chosen 0; close
+header; chosen 1; again; chosen 0; again; chosen 2; typed 0.5; again; typed ''                        # shadows
+chosen 1; again; chosen 2; typed 2; close
 header; chosen 1; pause 1; again; chosen 2; pause 1; again; chosen 0; again; chosen 3                 # indirect light
-typed 8; chosen 2; typed 64; typed 4; typed 0.1; typed 0.8; chosen 1; close
+typed 1; again; typed all; typed 8; chosen 2; typed 64; typed 4; typed 0.1; typed 0.8; typed 0.1; flagged; flagged
+chosen 1; close
 
 # The ball at its first position: picked, frozen, and moved by the user while the clip plays.
 step "key c"; step "key space"; step "key Home"; pause 3
-click 315 430; pause 4; click 25 352; pause 0.5; step "key space"; drag 1 50 377 90 377; pause 1; step "shot moved.png"
+click 601 430; pause 4; click 17 344; pause 0.5; step "key space"; drag 1 50 369 90 369; pause 1; step "shot moved.png"
 
 step "resize 500 400"; pause 1; step "resize 850 950"; pause 1
 step "drop second.obj"; pause 2; step "shot second.png"; click 600 600
@@ -104,9 +111,11 @@ print(f"{ended - began:.0f} s of input, {seen['window_frames']} window frames, t
       f"{images} images, median {median:.0f} ms; {seen['loads']} loads; "
       f"options set: {len(seen['options_set'])}")
 faults = []
-every = {"renderer", "fps", "camera", "turntable", "lights", "light", "environment", "samples", "max-depth", "accelerator",
-         "exposure", "tonemap", "overlay", "overlay-light", "shadow-culling", "shadow-textures", "shadow-filter",
-         "indirect", "indirect-memory", "indirect-on", "rsm-samples", "indirect-level", "depth-threshold", "normal-threshold", "receivers"}
+every = {"renderer", "fps", "camera", "turntable", "lights", "light", "environment", "ground", "samples", "filter", "shutter",
+         "aperture", "focus", "memory", "max-depth", "accelerator", "isa", "exposure", "tonemap", "background", "overlay",
+         "overlay-light", "shadow-culling", "sun-size", "shadow-textures", "shadow-filter", "indirect", "bounces",
+         "indirect-memory", "indirect-on", "rsm-samples", "indirect-level", "depth-threshold", "normal-threshold",
+         "validity-margin", "separate-trees", "cluster-shadows", "receivers"}
 if missing := every - set(seen["options_set"]):
     faults.append("not set: " + ", ".join(sorted(missing)))
 if seen["frozen"] != ["ball"] or seen["moved"] != ["ball"]:

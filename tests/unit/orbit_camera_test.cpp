@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "gnomon/scene.h"
+#include "viewer/projection.h"
 
 namespace gnomon::viewer {
 namespace {
@@ -138,6 +139,52 @@ TEST(OrbitCamera, LooksAtThePivotFromEachSide)
         EXPECT_GT(glm::dot(forward_of(orbit.camera()), towards), 0.999f);
         EXPECT_LT(glm::length(eye_of(orbit.camera()) + 3.0f * forward_of(orbit.camera()) - pivot), 1e-4f);
     }
+}
+
+// Whether an orbit camera shows all corners of a box, and how near they come to the edge of the view: 1 touches it.
+float reach_of(const OrbitCamera& orbit, const Box3& box, Size size)
+{
+    const Projection projection(orbit.camera(), glm::vec2(size.width, size.height));
+    float most = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        const auto place =
+            projection.place_of(glm::vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                          corner & 4 ? box.high.z : box.low.z));
+        if (!place) return k_infinity;
+        for (int axis = 0; axis < 2; ++axis) most = std::max(most, std::abs(2 * (*place)[axis] - 1));
+    }
+    return most;
+}
+
+// Long, tall and deep boxes fill the view from every side, whatever projects them, and nothing of them is cut off.
+TEST(OrbitCamera, FitsABoxFromEachSide)
+{
+    Camera by_angle = some_camera();
+    Camera shifted = by_angle, by_height = by_angle, by_pixels = by_angle;
+    shifted.shift_x = 0.1f, shifted.shift_y = -0.1f;
+    by_height.orthographic_height = 0.01;
+    by_pixels.intrinsics = Intrinsics{48, 40, 30, 20, {64, 48}};
+    const Box3 boxes[] = {{glm::vec3(-40, 0, 1), glm::vec3(-2, 1, 2)},
+                          {glm::vec3(0, 0, 0), glm::vec3(1, 90, 1)},
+                          {glm::vec3(3, 0, -70), glm::vec3(4, 2, 5)}};
+    for (const Camera& given : {by_angle, shifted, by_height, by_pixels})
+        for (const Size size : {Size{64, 48}, Size{30, 90}})
+            for (const Box3& box : boxes)
+                for (const auto side : {OrbitCamera::Side::front, OrbitCamera::Side::right, OrbitCamera::Side::top,
+                                        OrbitCamera::Side::corner}) {
+                    OrbitCamera orbit;
+                    orbit.follow(given, size, 3);
+                    orbit.look_from(side);
+                    orbit.fit(box, size);
+                    EXPECT_LT(reach_of(orbit, box, size), 1);
+                    EXPECT_GT(reach_of(orbit, box, size), 0.85f);
+                    EXPECT_EQ(orbit.pivot(), box.centre());
+                }
+    OrbitCamera orbit;
+    orbit.follow(by_angle, k_size, 3);
+    const glm::vec3 before = orbit.pivot();
+    orbit.fit({}, k_size);
+    EXPECT_EQ(orbit.pivot(), before) << "nothing is shown";
 }
 
 }   // namespace

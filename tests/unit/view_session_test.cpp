@@ -307,6 +307,49 @@ TEST(ViewSession, NewRequestInterruptsRefinement)
     EXPECT_TRUE(next->picked) << "the answer came with an image that nobody may have taken";
 }
 
+// The first image of a request in motion has little bounced light, and the one that it ends with has all. The session
+// says when there is something new.
+TEST(ViewSession, ImagesInMotionCastFewRays)
+{
+    std::atomic<int> news = 0;
+    ViewSession session(1, ViewSession::k_rays_a_frame, [&] { ++news; }), fresh(1);
+    load(session), load(fresh);
+    EXPECT_GT(news, 0) << "the scene";
+    news = 0;
+    ViewRequest moving = at(0.8);
+    moving.rays = 100;
+    session.ask(moving);
+    ASSERT_TRUE(comes([&] { return news > 0; }));
+    const auto first = session.image(0);
+    ASSERT_TRUE(first);
+    ASSERT_TRUE(comes([&] { return !session.busy() && !session.refining(); }));
+    const auto last = session.image(0), whole = finished(fresh, at(0.8));
+    EXPECT_LT(first->number, last->number);
+    EXPECT_LT(first->frame.counters.indirect.rays, whole->frame.counters.indirect.rays / 4);
+    EXPECT_TRUE(same(last, whole));
+}
+
+// Enlarged images have the frame's size times the factor, on average its colours, and leave no trace in later images.
+TEST(ViewSession, ImagesAreEnlargedForTheScreen)
+{
+    ViewSession session(1), fresh(1);
+    load(session), load(fresh);
+    ViewRequest small = at(0.8);
+    small.enlarge = 3;
+    const auto large = finished(session, small), plain = finished(session, at(0.8));
+    EXPECT_EQ(large->frame.size, plain->frame.size);
+    EXPECT_TRUE(large->frame.layers.empty());
+    EXPECT_EQ(large->image.width, 3 * plain->image.width);
+    EXPECT_EQ(large->image.height, 3 * plain->image.height);
+    EXPECT_TRUE(same(plain, finished(fresh, at(0.8))));
+    const auto mean = [](const Image8& image) {
+        double sum = 0;
+        for (const std::uint8_t value : image.data) sum += value;
+        return sum / static_cast<double>(image.data.size());
+    };
+    EXPECT_NEAR(mean(large->image), mean(plain->image), 2);
+}
+
 // A frame of seconds ends within a fraction of one when a newer request comes, and what it remembered stays true.
 TEST(ViewSession, NewRequestInterruptsTheFrameInProgress)
 {

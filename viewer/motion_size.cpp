@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "viewer/motion_size.h"
+
+#include <algorithm>
+
+namespace gnomon::viewer {
+
+void MotionSize::add(int divisor, const Cost& cost, double target_ms)
+{
+    if (divisor != this->divisor()) return;
+    const double fixed = std::clamp(cost.fixed_ms, 0.0, cost.ms), allowed = std::max(target_ms, (1 + k_more) * fixed);
+
+    // Follow the cost of a ray, where they were what the image could have more of.
+    if (cost.rays >= rays_ && cost.light_ms > 0) {
+        const double change = std::clamp(k_light * allowed / cost.light_ms, 0.5, 1.25);
+        rays_ = std::clamp(static_cast<std::uint64_t>(change * static_cast<double>(rays_)), k_fewest_rays, k_most_rays);
+    }
+
+    // Coarser at once, as far as it takes.
+    const auto expected = [&](std::size_t level) {
+        const double finer = static_cast<double>(divisor) / k_divisors[level];
+        return fixed + (cost.ms - fixed) * finer * finer;
+    };
+    if (cost.ms > allowed) {
+        calm_ = 0;
+        while (level_ + 1 < k_divisors.size() && expected(level_) > allowed) ++level_;
+        return;
+    }
+    // Finer step by step, and only where one image was no exception.
+    if (level_ == 0 || expected(level_ - 1) > fixed + k_spare * (allowed - fixed)) {
+        calm_ = 0;
+        return;
+    }
+    if (++calm_ < k_calm) return;
+    calm_ = 0;
+    --level_;
+}
+
+}   // namespace gnomon::viewer
