@@ -213,7 +213,7 @@ Difference against_reference(Shapes which, int paths)
 
 TEST(EnvironmentFrame, ShapesUnderAnUnevenSkyAreAsTheReferenceHasThem)
 {
-    const Difference difference = against_reference(Shapes::matte, 8192);
+    const Difference difference = against_reference(Shapes::matte, 4096);
     EXPECT_LE(difference.nrmse, 0.06);
     EXPECT_NEAR(difference.mean_ratio, 1, 0.01);
 }
