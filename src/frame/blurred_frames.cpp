@@ -2,6 +2,7 @@
 // The samples of a frame at other times of its shutter and places of its lens.
 #include "base/interruption.h"
 #include "frame/frame_engine.h"
+#include "image/pixel_filter.h"
 
 namespace gnomon::frame {
 
@@ -100,9 +101,11 @@ FrameCounters FrameEngine::blur_raster(const scene::View& view, const Shutter& s
         }
         const trace::BlurSample sample = trace::blur_sample({0, 0}, static_cast<std::uint32_t>(k), 1, false);
         if (!lens.sharp()) posed = scene::through_lens(posed, lens, sample.lens);
-        // With adaptive samples, the images are of different places in the pixels, so that all edges are clean.
+        // With adaptive samples, the images are of different places of the pixel's filter, so that all edges are clean.
         if (options_.samples == k_adaptive_samples) {
-            const glm::vec2 place = 2.0f * (sample.offset - 0.5f);
+            const PixelFilter filter = image::chosen_filter(options_.filter, true);
+            const glm::vec2 place = 2.0f * glm::vec2(image::filter_place(filter, sample.offset.x),
+                                                     image::filter_place(filter, sample.offset.y));
             posed.shift += glm::vec2(place.x / static_cast<float>(view.size.width),
                                      -place.y / static_cast<float>(view.size.height));
         }

@@ -13,6 +13,7 @@
 #include "frame/reference_indirect.h"
 #include "frame/state_overlay.h"
 #include "image/changed_rectangles.h"
+#include "image/pixel_filter.h"
 #include "ray/kdtree/kdtree.h"
 #include "scene/continuation.h"
 #include "shading/surface.h"
@@ -89,12 +90,6 @@ auto raster_key(const RenderOptions& o)
 {
     return std::tuple(o.samples, o.layers, o.shadow_textures, o.shadow_filter, o.sun_size, o.as_printed, o.overlay,
                       o.indirect_on, o.background == BackgroundKind::environment, cache_key(o), map_key(o));
-}
-
-PixelFilter filter_of(PixelFilter filter, bool adaptive)
-{
-    if (filter != PixelFilter::automatic) return filter;
-    return adaptive ? PixelFilter::blackman_harris : PixelFilter::box;
 }
 
 // Bytes of the buffers of a frame.
@@ -458,7 +453,7 @@ bool FrameEngine::is_made(const scene::View& view, const RenderRequest& request)
 FrameCounters FrameEngine::render_raster(const scene::View& view, bool whole)
 {
     if (uses_environment()) raster_->use_environment(*environment_.of_frame(*state_, options_, true, false));
-    RasterAdaptive adaptive{.filter = filter_of(options_.filter, true), .exposure = {}};
+    RasterAdaptive adaptive{.filter = image::chosen_filter(options_.filter, true), .exposure = {}};
     if (options_.exposure) adaptive.exposure = static_cast<float>(*options_.exposure);
     const bool refines =
         !whole && options_.samples == k_adaptive_samples && plan_.shown == Shown::light && !options_.as_printed;
@@ -582,9 +577,10 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     traced.adaptive = options_.samples == k_adaptive_samples && plan_.shown == Shown::light && !plan_.reference &&
                       !options_.as_printed;
     traced.samples = std::max(options_.samples, 1);
-    traced.filter = filter_of(options_.filter, traced.adaptive);
+    traced.filter = image::chosen_filter(options_.filter, traced.adaptive);
     if (plan_.reference || plan_.shown != Shown::light) traced.filter = PixelFilter::box;
     if (options_.exposure) traced.exposure = static_cast<float>(*options_.exposure);
+    traced.filters_shown = !nah_;   // which remembers what each image shows, so that none may precede the frame's
     traced.backdrop_apart = options_.background != BackgroundKind::environment && plan_.shown == Shown::light;
     traced.layers = options_.layers && plan_.shown == Shown::light;
     if (in_scanline_order) traced.tile = 1;
@@ -602,7 +598,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     }
     // Where all pixels are blurred, many samples at the shutter's middle would be in vain.
     if (blur && blur->motion().everything)
-        traced.samples = 1, traced.filter = filter_of(options_.filter, traced.adaptive);
+        traced.samples = 1, traced.filter = image::chosen_filter(options_.filter, traced.adaptive);
     FrameCounters counters = trace::trace_frame(*state_, *rays_, view, traced, tasks, *buffers_, techniques,
                                                 request.log, {}, blur ? &*blur : nullptr);
     if (blur && blur->any()) blur_traced(*blur, *request.shutter, traced, techniques, tasks, counters);

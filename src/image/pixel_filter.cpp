@@ -9,6 +9,12 @@
 
 namespace gnomon::image {
 
+PixelFilter chosen_filter(PixelFilter filter, bool adaptive)
+{
+    if (filter != PixelFilter::automatic) return filter;
+    return adaptive ? PixelFilter::blackman_harris : PixelFilter::box;
+}
+
 float filter_weight(PixelFilter filter, float distance)
 {
     GNOMON_CHECK(filter != PixelFilter::automatic);
@@ -25,6 +31,24 @@ float filter_weight(PixelFilter filter, float distance)
     const float w =
         0.35875f - 0.48829f * std::cos(turn) + 0.14128f * std::cos(2 * turn) - 0.01168f * std::cos(3 * turn);
     return std::max(w, 0.0f);
+}
+
+float filter_place(PixelFilter filter, float number)
+{
+    if (filter == PixelFilter::box) return number - 0.5f;
+    // Walk along the filter's integral.
+    constexpr int k_steps = 512;
+    constexpr float k_step = 2 * k_filter_radius / k_steps;
+    const auto weight = [&](int i) {
+        return filter_weight(filter, k_step * (static_cast<float>(i) + 0.5f) - k_filter_radius);
+    };
+    float all = 0;
+    for (int i = 0; i < k_steps; ++i) all += weight(i);
+    float left = std::clamp(number, 0.0f, 1.0f) * all;
+    int i = 0;
+    while (i + 1 < k_steps && left > weight(i)) left -= weight(i++);
+    const float here = weight(i);
+    return k_step * (static_cast<float>(i) + (here > 0 ? std::min(left / here, 1.0f) : 0.5f)) - k_filter_radius;
 }
 
 SampleWeights sample_weights(PixelFilter filter, const glm::vec2& offset)
@@ -69,8 +93,8 @@ SampleSums::SampleSums(Size size, int tile, int channels, float white)
     sums_.assign(tile_floats_ * static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0);
 }
 
-void SampleSums::add(std::size_t tile, int x, int y, const SampleWeights& weights, float share, const float* values,
-                     LightWeight counts)
+float SampleSums::add(std::size_t tile, int x, int y, const SampleWeights& weights, float share, const float* values,
+                      LightWeight counts)
 {
     const float light = luminance(glm::vec3(values[0], values[1], values[2]));
     const float dimmed = counts == LightWeight::shown && light > white_ ? white_ / light : 1.0f;
@@ -88,6 +112,16 @@ void SampleSums::add(std::size_t tile, int x, int y, const SampleWeights& weight
             to[channels_] += of_color;
             to[channels_ + 1] += weight;
         }
+    return dimmed;
+}
+
+void SampleSums::add_light(std::size_t tile, int x, int y, const std::array<glm::vec3, 9>& light)
+{
+    float* const first = sums_.data() + tile * tile_floats_;
+    for (int i = 0; i < 9; ++i) {
+        float* to = first + static_cast<std::size_t>((y + i / 3) * (side_ + 2) + x + i % 3) * stride_;
+        for (int c = 0; c < 3; ++c) to[c] += light[static_cast<std::size_t>(i)][c];
+    }
 }
 
 // The sums that a tile holds for a pixel of the image; null if the pixel lies beyond its border.

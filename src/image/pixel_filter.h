@@ -15,6 +15,7 @@
 //
 // Cost: up to 9 multiplications for each sample and channel. Memory: all channels and two weights, 1.13 times.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -28,10 +29,19 @@ namespace gnomon::image {
 /// Distance from a pixel's centre along an axis from which on a sample does not count, in pixels.
 inline constexpr float k_filter_radius = 1.5f;
 
+/// The filter itself, or that which an automatic one stands for.
+PixelFilter chosen_filter(PixelFilter filter, bool adaptive);
+
 /// Weight of a sample along one axis, not normalised.
 /// @param filter    not automatic
 /// @param distance  from the pixel's centre, in pixels
 float filter_weight(PixelFilter filter, float distance);
+
+/// A place along an axis such that the places of evenly spread numbers are as dense as the filter has weight: samples
+/// there make a pixel by their mean.
+/// @param number  0 to 1
+/// @return  from the pixel's centre, in pixels
+float filter_place(PixelFilter filter, float number);
 
 /// The weights of samples at one position in their pixels, in the columns and rows before, here and after.
 struct SampleWeights {
@@ -60,8 +70,13 @@ class SampleSums {
     /// @param tile    its number, row by row
     /// @param x, y    pixel in the tile
     /// @param share   of the pixel's area that it stands for
-    void add(std::size_t tile, int x, int y, const SampleWeights& weights, float share, const float* values,
-             LightWeight light = LightWeight::shown);
+    /// @return  by what its light counts, 0 to 1
+    float add(std::size_t tile, int x, int y, const SampleWeights& weights, float share, const float* values,
+              LightWeight light = LightWeight::shown);
+
+    /// Adds light to what samples of a pixel have brought that were added before.
+    /// @param light  for the pixel and those around it, row by row: times their weights and times what add() returned
+    void add_light(std::size_t tile, int x, int y, const std::array<glm::vec3, 9>& light);
 
     /// Calls sink(x, y, values) for each pixel of a tile, in image coordinates, once all samples are added.
     void resolve(std::size_t tile, const std::function<void(int x, int y, const float* values)>& sink) const;

@@ -86,7 +86,8 @@ LobeImage::LobeImage(Size size, int side)
     : size_(size),
       side_(side),
       columns_((size.width + side - 1) / side),
-      tiles_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>((size.height + side - 1) / side))
+      tiles_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>((size.height + side - 1) / side)),
+      spread_(tiles_.size())
 {
 }
 
@@ -101,6 +102,16 @@ const LobePixel& LobeImage::at(int x, int y) const
 {
     const auto& tile = tiles_[tile_of(x, y)];
     return tile ? tile[in_tile(x, y)] : k_no_lobe;
+}
+
+std::array<glm::vec3, 9>& LobeImage::spread(int x, int y)
+{
+    auto& tile = spread_[tile_of(x, y)];
+    if (!tile) {
+        tile = std::make_unique<Spread[]>(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_));
+        std::fill_n(tile.get(), side_ * side_, Spread{});
+    }
+    return tile[in_tile(x, y)];
 }
 
 glm::vec3 LobeImage::filtered(int x, int y, const LobeFilterOptions& options) const
@@ -234,9 +245,9 @@ void LobeImage::filter_tile(int left, int top, glm::vec3 LobePixel::*from, glm::
     }
 }
 
-void LobeImage::add_to(ImageF& color, float scale, Tasks& tasks, const LobeFilterOptions& options)
+template <class Done>
+void LobeImage::filter(Tasks& tasks, const LobeFilterOptions& options, const Done& done)
 {
-    GNOMON_CHECK(color.width == size_.width && color.height == size_.height);
     std::vector<std::size_t> there;
     for (std::size_t t = 0; t < tiles_.size(); ++t)
         if (tiles_[t]) there.push_back(t);
@@ -254,11 +265,33 @@ void LobeImage::add_to(ImageF& color, float scale, Tasks& tasks, const LobeFilte
     for_each_tile([&](int left, int top, Window& window) {
         filter_tile(left, top, &LobePixel::once, &LobePixel::filtered, window, options);
         for (int y = top; y < std::min(top + side_, size_.height); ++y)
-            for (int x = left; x < std::min(left + side_, size_.width); ++x) {
-                const glm::vec3 light = scale * std::as_const(*this).at(x, y).filtered;
-                float* const to = color.pixel(x, y);
-                for (int c = 0; c < 3; ++c) to[c] += light[c];
-            }
+            for (int x = left; x < std::min(left + side_, size_.width); ++x) done(x, y);
+    });
+}
+
+void LobeImage::add_to(ImageF& color, float scale, Tasks& tasks, const LobeFilterOptions& options)
+{
+    GNOMON_CHECK(color.width == size_.width && color.height == size_.height);
+    filter(tasks, options, [&](int x, int y) {
+        const glm::vec3 light = scale * std::as_const(*this).at(x, y).filtered;
+        float* const to = color.pixel(x, y);
+        for (int c = 0; c < 3; ++c) to[c] += light[c];
+    });
+}
+
+void LobeImage::add_to(image::SampleSums& sums, Tasks& tasks, const LobeFilterOptions& options)
+{
+    filter(tasks, options, [&](int x, int y) {
+        const LobePixel& pixel = std::as_const(*this).at(x, y);
+        const std::size_t tile = tile_of(x, y);
+        if (pixel.weight == glm::vec3(0) || !spread_[tile]) return;
+        // All samples of the pixel have the filtered light, each times its own weight.
+        glm::vec3 radiance(0);
+        for (int c = 0; c < 3; ++c)
+            if (pixel.weight[c] > 0) radiance[c] = pixel.filtered[c] / pixel.weight[c];
+        Spread light = spread_[tile][in_tile(x, y)];
+        for (glm::vec3& to : light) to *= radiance;
+        sums.add_light(tile, x % side_, y % side_, light);
     });
 }
 

@@ -14,14 +14,20 @@
 // counts, several on a small ball. A neighbour counts by the weights of its rays, not by their number, because a single
 // ray says nothing about how much its lobe reflects on average.
 //
+// With a pixel filter that reaches beyond the pixel, the light of a lobe takes part in the pixels around, too, as that
+// of the samples that show it: what a sample's lobe would bring of radiance 1 is kept as the pixel filter spreads it,
+// and all of it then gets the pixel's filtered light.
+//
 // Cost: twice up to 81 neighbours for each pixel that has a lobe, several pixels at once. Memory: some 80 bytes for
-// each pixel of tiles that show lobes.
+// each pixel of tiles that show lobes, and 108 where it is spread.
 
+#include <array>
 #include <memory>
 #include <vector>
 
 #include "base/image.h"
 #include "base/tasks.h"
+#include "image/pixel_filter.h"
 #include "scene/view.h"
 
 namespace gnomon::trace {
@@ -61,8 +67,12 @@ class LobeImage {
     /// neighbours in a rectangle, in which it lies.
     float rays_wanted(int x, int y, int left, int top, int width, int height,
                       const LobeFilterOptions& options = {}) const;
+    /// How the weights of a pixel's samples take part in the pixels around it, row by row. As at().
+    std::array<glm::vec3, 9>& spread(int x, int y);
     /// Adds each pixel's light, filtered twice and times `scale`, to an image of the same size, and keeps it.
     void add_to(ImageF& color, float scale, Tasks& tasks, const LobeFilterOptions& options = {});
+    /// Adds it to sums of the same tiles instead, as spread() has it.
+    void add_to(image::SampleSums& sums, Tasks& tasks, const LobeFilterOptions& options = {});
     /// A pixel's light, filtered once: the reference for add_to().
     glm::vec3 filtered(int x, int y, const LobeFilterOptions& options = {}) const;
 
@@ -81,9 +91,15 @@ class LobeImage {
     void filter_tile(int left, int top, glm::vec3 LobePixel::*from, glm::vec3 LobePixel::*to, Window& window,
                      const LobeFilterOptions& options);
 
+    // Filters all pixels, and calls done(x, y) for those of tiles that show lobes.
+    template <class Done>
+    void filter(Tasks& tasks, const LobeFilterOptions& options, const Done& done);
+
+    using Spread = std::array<glm::vec3, 9>;
     Size size_;
     int side_, columns_;
     std::vector<std::unique_ptr<LobePixel[]>> tiles_;   // null: no lobe
+    std::vector<std::unique_ptr<Spread[]>> spread_;     // null: not asked for
 };
 
 }   // namespace gnomon::trace

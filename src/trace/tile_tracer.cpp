@@ -3,6 +3,7 @@
 #include "trace/tile_tracer.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "base/interruption.h"
@@ -104,6 +105,7 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
 void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out, image::SampleSums* sums)
 {
     begin_tile(tile);
+    spreads_lobes_ = sums && lobes_;
     for (int sample = 0; sample < options_.samples; ++sample) {
         interruption_point();
         Stopwatch watch(times_);
@@ -111,6 +113,7 @@ void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out, image::Samp
         shade_sample(sample, watch);
         if (sums) add_samples(sample, *sums);
     }
+    spreads_lobes_ = false;
     store_lobes();
     store(out);
 }
@@ -236,7 +239,13 @@ void TileTracer::add_samples(int sample, image::SampleSums& sums)
         for (int x = 0; x < tile_.width; ++x) {
             const int pixel = y * tile_.side + x;
             values_of(static_cast<std::size_t>(pixel), values.data());
-            sums.add(number_of(tile_), x, y, weights, 1, values.data());
+            const float counts = sums.add(number_of(tile_), x, y, weights, 1, values.data());
+            // The lobe's light follows once it is filtered.
+            if (!spreads_lobes_ || lobe_weights_[static_cast<std::size_t>(pixel)] == glm::vec3(0)) continue;
+            std::array<glm::vec3, 9>& spread = lobes_->spread(tile_.x + x, tile_.y + y);
+            for (std::size_t i = 0; i < 9; ++i)
+                spread[i] += (counts * weights.across[i % 3] * weights.down[i / 3]) *
+                             lobe_weights_[static_cast<std::size_t>(pixel)];
         }
     clear_sums(color_.size());
 }
@@ -736,6 +745,7 @@ void TileTracer::queue_nested_lobe(const TilePoint& point)
 void TileTracer::keep_lobes(int sample)
 {
     lobe_points_.clear();
+    if (spreads_lobes_) lobe_weights_.assign(color_.size(), glm::vec3(0));
     for (const TilePoint& point : points_) {
         if (point.next.lobe_weight == glm::vec3(0)) continue;
         if (refinement_ && take_lobe(point, shadow_points_[static_cast<std::size_t>(&point - points_.data())]))
@@ -744,7 +754,9 @@ void TileTracer::keep_lobes(int sample)
         if (!lobes_ || shades_further()) continue;
         const glm::ivec2 at = pixel_of_image(point.pixel);
         LobePixel& pixel = lobes_->at(at.x, at.y);
-        pixel.weight += point.throughput * point.next.lobe_weight;
+        const glm::vec3 weight = point.throughput * point.next.lobe_weight;
+        pixel.weight += weight;
+        if (spreads_lobes_) lobe_weights_[point.pixel] += weight;
         if (sample != 0) continue;
         const shading::SurfacePoint& s = point.surface;
         pixel.position = s.position, pixel.axis = point.next.reflected;

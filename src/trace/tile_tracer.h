@@ -258,7 +258,9 @@ class TileTracer {
     // Lobes of primary hits.
     int rays_of_lobe_ = 0;   // for each sample; 0: rough surfaces reflect by mirror rays
     LobeImage* const lobes_;
-    std::vector<TilePoint> lobe_points_;   // of the sample
+    std::vector<TilePoint> lobe_points_;    // of the sample
+    bool spreads_lobes_ = false;            // a pixel filter spreads their light
+    std::vector<glm::vec3> lobe_weights_;   // then: of the sample, by pixel of the tile
     std::vector<shading::LobeRay> lobe_rays_;
     std::vector<glm::vec3> lobe_light_;   // by batch of rays and pixel of the tile; empty: no point had a lobe
 };

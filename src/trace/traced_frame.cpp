@@ -209,6 +209,21 @@ float exposure_of(const shading::FrameBuffers& out, const TracedOptions& options
     return std::exp2(options.exposure ? *options.exposure : static_cast<float>(image::auto_exposure(out.color.data)));
 }
 
+// The luminance from which on light of a filtered frame counts less. Without an exposure, that of an image of one
+// sample a pixel sets it, as for adaptive samples.
+float white_of(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view,
+               const TracedOptions& options, Tasks& tasks, const Techniques& techniques, FrameTimes& times)
+{
+    if (!options.filters_shown) return k_infinity;
+    if (options.exposure) return k_white / std::exp2(*options.exposure);
+    TracedOptions single = options;
+    single.samples = 1, single.filter = PixelFilter::box, single.layers = false;
+    shading::FrameBuffers buffers;
+    trace_frame(state, rays, view, single, tasks, buffers, techniques);
+    for (std::size_t stage = 0; stage < FrameTimes::k_stages; ++stage) times.ms[stage] += buffers.times.ms[stage];
+    return k_white / exposure_of(buffers, options);
+}
+
 // Takes further samples where those at the pixels' centres differ, and filters all of them.
 // @param blur  optional: its touched pixels are left out, and it keeps the samples until they are there
 void take_further_samples(const shading::CentreSamples& centres, const LobeImage* lobes, const TracedOptions& options,
@@ -276,6 +291,8 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     Interruption interruption(progress);
     const InterruptionScope scope(progress ? &interruption : Interruption::current());
     out.times = {};
+    const bool filters = !options.adaptive && options.filter != PixelFilter::box;
+    const float white = filters ? white_of(state, rays, view, options, tasks, techniques, out.times) : k_infinity;
     const FrameContext frame{state, rays, view, tasks};
     Pass pass(frame, options, techniques, log, out.times);
     const Size size = view.size;
@@ -291,8 +308,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
 
     // Trace the tiles.
     std::optional<image::SampleSums> sums;
-    const bool filters = !options.adaptive && options.filter != PixelFilter::box;
-    if (filters) sums.emplace(size, options.tile, channels_of(out, options), k_infinity);
+    if (filters) sums.emplace(size, options.tile, channels_of(out, options), white);
     std::atomic<std::size_t> done = 0;
     report_progress("tracing", 0);
     tasks.for_each(pass.tiles(), [&](std::size_t index, int worker) {
@@ -300,8 +316,11 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         report_progress("tracing", static_cast<double>(++done) / static_cast<double>(pass.tiles()));
     });
 
+    if (lobes && filters)
+        lobes->add_to(*sums, tasks);
+    else if (lobes)
+        lobes->add_to(out.color, 1.0f / static_cast<float>(options.samples), tasks);
     if (filters) resolve(*sums, pass.tiles(), tasks, out, options);
-    if (lobes) lobes->add_to(out.color, 1.0f / static_cast<float>(options.samples), tasks);
 
     if (blur) blur->select(*centres, state, view, techniques.sized, tasks);
     if (options.adaptive) take_further_samples(*centres, pass.lobes, options, pass, tasks, out, blur);

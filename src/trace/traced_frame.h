@@ -44,9 +44,13 @@ struct TracedOptions {
     bool adaptive = false;
     /// Of these: soft light of first samples is interpolated between pixels where it is alike (tile_lattice.cpp).
     bool interpolates = true;
-    std::optional<float> exposure{};   // of these, in stops; none: that of the image of one sample a pixel
-    shading::RefineOptions refine{};   // of these; its exposure is set from the above
-    bool layers = false;               // fill all of shading::FrameBuffers, not `color` alone
+    /// Of these, and of a filter wider than the pixel, in stops. None: that of the image of one sample a pixel, which a
+    /// filter of a fixed number of samples has traced first, without counting its rays.
+    std::optional<float> exposure{};
+    shading::RefineOptions refine{};   // of adaptive samples; its exposure is set from the above
+    /// Light above the display's white counts less in a filter wider than the pixel (image/pixel_filter.h).
+    bool filters_shown = true;
+    bool layers = false;   // fill all of shading::FrameBuffers, not `color` alone
     /// Leave what lies behind the scene out of `color`, and fill `alpha`. A surface that catches shadows counts as what
     /// lies behind, and its shadows as a dark surface.
     bool backdrop_apart = false;

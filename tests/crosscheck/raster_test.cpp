@@ -517,6 +517,23 @@ TEST_F(RasterCrosscheck, AdaptiveSamplesCleanEdges)
     }
 }
 
+// With a shutter, images at several places of the pixel filter are averaged. Frames before change nothing.
+TEST_F(RasterCrosscheck, BlurredFramesWithAdaptiveSamplesFollowTheFilterAndNoHistory)
+{
+    const Scene scene = load("builtin:cornell");
+    RenderOptions options = options_of(RenderMethod::raster, {24, 18});
+    options.layers = false, options.exposure = 0;
+    options.shadow_textures = ShadowTextures::off;
+    options.samples = k_adaptive_samples;
+    options.shutter = 360;
+    Renderer video(options);
+    video.render(scene, 4);
+    const Frame blurred = video.render(scene, 5);
+    EXPECT_EQ(error_of(Renderer(options).render(scene, 5), blurred, ""), 0);
+    options.filter = PixelFilter::box;
+    EXPECT_GT(error_of(Renderer(options).render(scene, 5), blurred, ""), 0.005);
+}
+
 TEST_F(RasterCrosscheck, FramesOfAVideoEqualFreshRenderers)
 {
     const Scene scene = load("builtin:cornell");

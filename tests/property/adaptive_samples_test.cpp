@@ -10,6 +10,7 @@
 #include "api/scene_access.h"
 #include "base/hash.h"
 #include "gnomon/gnomon.h"
+#include "host_scene.h"
 #include "ray/ray_scene.h"
 #include "scene/builtin/builtin.h"
 #include "trace/traced_frame.h"
@@ -70,7 +71,7 @@ class Room : public ::testing::Test {
     ray::RayScene rays_{state_};
     scene::View view_ = scene::make_view(state_, 0, {96, 64});
     trace::TracedOptions adaptive_{.filter = PixelFilter::blackman_harris, .adaptive = true, .exposure = 0.0f};
-    trace::TracedOptions many_{.samples = 64, .filter = PixelFilter::blackman_harris};
+    trace::TracedOptions many_{.samples = 64, .filter = PixelFilter::blackman_harris, .exposure = 0.0f};
 };
 
 TEST(AdaptiveSamples, SameBytesForAnyNumberOfThreadsAndAnyHistory)
@@ -173,6 +174,40 @@ TEST(AdaptiveSamples, EdgesBeforeATransparentBackgroundCoverPixelsInPart)
             if (a > 0 && a < 1) partly.insert(a);
         }
         EXPECT_GT(partly.size(), 12u) << light;
+    }
+}
+
+// An emitter 30 times as bright as white: its edge is a ramp for many samples as for adaptive ones. If all light
+// counted alike, pixels would be white from a thirtieth of them on.
+TEST(AdaptiveSamples, EdgesOfBrightLightAreThoseOfManySamples)
+{
+    SceneBuilder builder;
+    builder.instance(builder.mesh(test::square(1).mesh()),
+                     builder.material({.base_color = {0, 0, 0}, .double_sided = true, .emissive = {30, 30, 30}}),
+                     Transform::rotation({0, 0, 1}, 0.2));
+    Camera camera;
+    camera.transform = Transform::look_at({0, 0, 4}, {0, 0, 0});
+    builder.camera(camera);
+    const Scene scene = builder.finish();
+    for (const bool automatic : {false, true}) {
+        RenderOptions options{.size = {48, 48}, .samples = k_adaptive_samples, .indirect = Indirect::off};
+        if (!automatic) options.exposure = 0;
+        const Frame adaptive = Renderer(options).render(scene, 1);
+        options.samples = 64, options.filter = PixelFilter::blackman_harris;
+        const Frame many = Renderer(options).render(scene, 1);
+        double error = 0;
+        int ramp = 0;
+        for (int y = 0; y < 48; ++y)
+            for (int x = 0; x < 48; ++x) {
+                const float a = adaptive.layers[0].value(x, y), b = many.layers[0].value(x, y);
+                const auto shown = [](float v) { return std::min(v, 30.0f) / 30; };
+                error = std::max(error, static_cast<double>(std::abs(shown(a) - shown(b))));
+                ramp += b > 0.2f && b < 0.8f;
+            }
+        EXPECT_LT(error, 0.15) << automatic;
+        if (!automatic) {
+            EXPECT_GT(ramp, 40);
+        }
     }
 }
 

@@ -143,14 +143,35 @@ TEST(PixelFilter, LoneSamplesAreBlurredAsManyAre)
     }
 }
 
+// Places of evenly spread numbers have the filter's mean, its second moment, and its density.
+TEST(PixelFilter, PlacesAreAsDenseAsTheFilterHasWeight)
+{
+    constexpr int k_places = 1000;
+    for (const PixelFilter filter : k_filters) {
+        double mean = 0, square = 0, weight = 0, of_weight = 0;
+        for (int i = 0; i < k_places; ++i) {
+            const double place = static_cast<double>(filter_place(filter, (static_cast<float>(i) + 0.5f) / k_places));
+            mean += place / k_places, square += place * place / k_places;
+            const double along = k_filter_radius * (2 * (i + 0.5) / k_places - 1);
+            const auto here = static_cast<double>(filter_weight(filter, static_cast<float>(along)));
+            weight += here, of_weight += here * along * along;
+        }
+        EXPECT_NEAR(mean, 0, 1e-4);
+        EXPECT_NEAR(square, of_weight / weight, 1e-3);
+        EXPECT_GE(filter_place(filter, 0), -k_filter_radius);
+        EXPECT_LE(filter_place(filter, 1), k_filter_radius);
+    }
+    EXPECT_EQ(filter_place(PixelFilter::box, 0.75f), 0.25f);
+}
+
 TEST(PixelFilter, LightAboveWhiteCountsLess)
 {
     // One of four samples shows an emitter 30 times as bright as white. Its edge becomes a step below white.
     SampleSums sums({1, 1}, 1, 4, 1);
     const SampleWeights centre = sample_weights(PixelFilter::box, glm::vec2(0.5f));
     const float bright[4] = {30, 30, 30, 1}, dark[4] = {0, 0, 0, 0};
-    sums.add(0, 0, 0, centre, 0.25f, bright);
-    for (int i = 0; i < 3; ++i) sums.add(0, 0, 0, centre, 0.25f, dark);
+    EXPECT_EQ(sums.add(0, 0, 0, centre, 0.25f, bright), 1.0f / 30);
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(sums.add(0, 0, 0, centre, 0.25f, dark), 1);
     const std::vector<float> image = resolved(sums, {1, 1}, 1);
     EXPECT_LT(image[0], 0.5f);
     EXPECT_GT(image[0], 0.25f);
