@@ -6,9 +6,9 @@
 namespace gnomon::test {
 namespace {
 
-Outcome make(const std::string& out, const std::string& megabytes)
+Outcome make(const std::string& out, const std::string& megabytes, const std::string& scene = "builtin:kinetic")
 {
-    return run({"render", "builtin:kinetic", "-o", out, "--size", "64x48", "--frame", "2", "--memory", megabytes});
+    return run({"render", scene, "-o", out, "--size", "64x48", "--frame", "2", "--memory", megabytes});
 }
 
 TEST(MemoryLimitOption, TooLittleEndsWithCode4AndOneLine)
@@ -25,7 +25,7 @@ TEST(MemoryLimitOption, ALimitThatIsKeptChangesNoByte)
 {
     const ScratchFolder folder;
     for (const char* megabytes : {"0", "1024"}) {
-        const Outcome outcome = make(folder / (std::string(megabytes) + ".png"), megabytes);
+        const Outcome outcome = make(folder / (std::string(megabytes) + ".png"), megabytes, "builtin:cornell");
         ASSERT_EQ(outcome.code, 0) << outcome.err;
     }
     EXPECT_EQ(bytes_of(folder / "0.png"), bytes_of(folder / "1024.png"));
