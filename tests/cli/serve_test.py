@@ -4,11 +4,13 @@
     serve_test.py PROGRAM [MALFORMED REQUESTS]    numbers of malformed requests, and of those of the test of memory: 200
                                                   and 120 without them
     SEED=N                                        of the malformed requests: 1 without it
+    SECONDS=N                                     send malformed requests for so long, however many they are
 """
 import base64
 import collections
 import copy
 import http.client
+import itertools
 import json
 import math
 import os
@@ -20,6 +22,7 @@ import struct
 import subprocess
 import sys
 import threading
+import time
 import unittest
 import zlib
 
@@ -27,6 +30,7 @@ PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 else "gnomon"
 MALFORMED = int(sys.argv.pop(1)) if len(sys.argv) > 1 and sys.argv[1].isdigit() else 200
 REQUESTS = int(sys.argv.pop(1)) if len(sys.argv) > 1 and sys.argv[1].isdigit() else 120
 SEED = int(os.environ.get("SEED", "1"))
+SECONDS = float(os.environ.get("SECONDS", "0"))
 
 
 def matrix(x=0.0, y=0.0, z=0.0, scale=1.0):
@@ -273,7 +277,9 @@ class Serve(unittest.TestCase):
 
         answers = {}
         scene = json.dumps(make_scene()).encode()
-        for i in range(MALFORMED):
+        end = time.monotonic() + SECONDS
+        sent = itertools.count() if SECONDS else range(MALFORMED)
+        for i in itertools.takewhile(lambda _: not SECONDS or time.monotonic() < end, sent):
             body, kind = form(fields_of(("label", "depth", "label", "color")[i % 4], 16, 12), scene)
             start = f"POST /render HTTP/1.1\r\nHost: x\r\nContent-Type: {kind}\r\nConnection: close\r\n".encode()
             # Mostly a whole request with a damaged body, so that it is read to its end. Else anything may be damaged,
@@ -292,10 +298,12 @@ class Serve(unittest.TestCase):
                 if status >= 400:
                     self.assertEqual((text.count(b"\n"), text[-1:]), (1, b"\n"), text)
             self.assertIsNone(self.server.process.poll())
-        self.assertGreater(answers.get(400, 0), MALFORMED // 4, answers)
+        self.assertGreater(answers.get(400, 0), sum(answers.values()) // 4, answers)
         self.assertEqual(self.server.render(fields_of("label"), make_scene())[0], 200)
         code, _, err = self.server.stop()
         self.assertEqual((code, err), (0, ""))
+        if SECONDS:
+            print(f"{sum(answers.values())} malformed requests in {SECONDS:g} s; answers by status: {answers}")
 
     def raw(self, data, half_closed):
         """The status and the text of what the server answers to bytes.
