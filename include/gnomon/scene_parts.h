@@ -208,7 +208,7 @@ struct AreaLight {
     bool two_sided = false;            // rectangle and disc: it emits along +Z, too; otherwise along -Z alone
     bool hidden_from_camera = false;   // see Material
     /// The cone around -Z within which it emits, as a spot does: see MaterialLayers::emission_inner. Outer 0: none.
-    float inner_angle = 0, outer_angle = 0;
+    float inner_angle = 0, outer_angle = 0;   // 0 to pi / 2
     friend bool operator==(const AreaLight&, const AreaLight&) = default;
 };
 

@@ -182,7 +182,7 @@ TEST(View, RecordingEqualsTheRenderedVideo)
     const ScratchFolder folder;
     // More frames than will be recorded: the clip starts again at its end.
     const Seen seen = drive(folder, "builtin:cornell", "--fps 240",
-                            "sleep 1\nkey Home\nkey r\nsleep 1\nresize 400 200\nsleep 1\nkey r\n"
+                            "sleep 1\nkey Home\nkey r\nsleep 2\nresize 400 200\nsleep 2\nkey r\n"
                             "await gnomon-0001.mp4\nkey Escape\n");
     ASSERT_EQ(seen.code, 0) << seen.err;
     const std::string video = folder / "gnomon-0001.mp4";
