@@ -50,7 +50,7 @@ struct LobeFilterOptions {
     // Rays that a pixel should have with its neighbours; and, where these are as different as a lobe is wide, by
     // itself. Where they are more different, a narrower lobe shows less within a pixel: it needs fewer rays, but not
     // below the last.
-    float rays = 96, least_rays = 4, rays_across = 8, own_rays = 8;
+    float rays = 96, least_rays = 4, rays_across = 8, own_rays = 16;
     float near = 12;   // distance of a neighbour's surface, in footprints, from which on it does not count
 };
 
