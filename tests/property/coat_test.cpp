@@ -7,6 +7,7 @@
 
 #include "gnomon/gnomon.h"
 #include "host_scene.h"
+#include "two_references.h"
 
 namespace gnomon {
 namespace {
@@ -62,27 +63,12 @@ std::vector<float> reference(const Scene& scene, std::uint64_t seed)
     return rendered(scene, options);
 }
 
-struct Error {
-    double nrmse = 0, energy = 0;
-};
-
-// Against two independent references, the noise of which is in neither figure.
-Error error_of(const std::vector<float>& image, const std::vector<float>& a, const std::vector<float>& b)
-{
-    double square = 0, sum = 0, all = 0;
-    for (std::size_t i = 0; i < image.size(); ++i) {
-        const double x = image[i], p = a[i], q = b[i];
-        square += (x - p) * (x - q), sum += x, all += 0.5 * (p + q);
-    }
-    const auto n = static_cast<double>(image.size());
-    return {std::sqrt(std::max(square / n, 0.0)) / (all / n), sum / all};
-}
-
 TEST(Coats, ReflectAPanelAsTheReferenceDoes)
 {
     for (const float roughness : {.2f, .35f, .6f}) {
         const Scene scene = floor_and_panel(coated(roughness));
-        const Error error = error_of(rendered(scene, options_of(32)), reference(scene, 1), reference(scene, 2));
+        const test::ErrorOfImage error =
+            test::error_of(rendered(scene, options_of(32)), reference(scene, 1), reference(scene, 2));
         RecordProperty("nrmse", std::to_string(error.nrmse));
         EXPECT_LE(error.nrmse, .1) << roughness;
         EXPECT_NEAR(error.energy, 1, .03) << roughness;
@@ -92,7 +78,7 @@ TEST(Coats, ReflectAPanelAsTheReferenceDoes)
 TEST(Coats, AnotherRoughnessIsNotThatOfTheReference)
 {
     const Scene right = floor_and_panel(coated(.2f)), wrong = floor_and_panel(coated(.5f));
-    EXPECT_GT(error_of(rendered(wrong, options_of(32)), reference(right, 1), reference(right, 2)).nrmse, .25);
+    EXPECT_GT(test::error_of(rendered(wrong, options_of(32)), reference(right, 1), reference(right, 2)).nrmse, .25);
 }
 
 // Within emissive walls a coat reflects what its Fresnel reflectance says, whatever its roughness: neither less, nor by

@@ -14,6 +14,7 @@
 #include "shading/glossy.h"
 #include "shading/lobe_rays.h"
 #include "trace/lobe_filter.h"
+#include "two_references.h"
 
 namespace gnomon {
 namespace {
@@ -94,29 +95,13 @@ std::vector<float> reference(const Scene& scene, int size, int paths, std::uint6
     return rendered(scene, options);
 }
 
-struct Error {
-    double nrmse = 0, energy = 0;
-};
-
-// The error of an image against two independent references, the noise of which is in neither figure.
-Error error_of(const std::vector<float>& image, const std::vector<float>& a, const std::vector<float>& b)
-{
-    double square = 0, sum = 0, all = 0;
-    for (std::size_t i = 0; i < image.size(); ++i) {
-        const double x = image[i], p = a[i], q = b[i];
-        square += (x - p) * (x - q), sum += x, all += 0.5 * (p + q);
-    }
-    const auto n = static_cast<double>(image.size());
-    return {std::sqrt(std::max(square / n, 0.0)) / (all / n), sum / all};
-}
-
 TEST(RoughReflections, AMetalBallInABoxIsThatOfTheReference)
 {
     constexpr int k_size = 40, k_paths = 256;
     for (int i = 1; i <= 10; ++i) {   // a mirror has no lobe
         const Scene scene = ball_in_a_box(metal(0.1f * static_cast<float>(i)));
         const std::vector<float> a = reference(scene, k_size, k_paths, 1), b = reference(scene, k_size, k_paths, 2);
-        const Error error = error_of(rendered(scene, options_of(k_size)), a, b);
+        const test::ErrorOfImage error = test::error_of(rendered(scene, options_of(k_size)), a, b);
         RecordProperty("nrmse_" + std::to_string(i), std::to_string(error.nrmse));
         EXPECT_LE(error.nrmse, i >= 2 && i <= 4 ? 0.15 : 0.08) << "roughness 0." << i;
         EXPECT_NEAR(error.energy, 1, 0.03) << "roughness 0." << i;
@@ -129,7 +114,7 @@ TEST(RoughReflections, AnotherRoughnessIsNotThatOfTheReference)
     constexpr int k_size = 40;
     const Scene right = ball_in_a_box(metal(0.6f)), wrong = ball_in_a_box(metal(0.3f));
     const std::vector<float> a = reference(right, k_size, 64, 1), b = reference(right, k_size, 64, 2);
-    EXPECT_GT(error_of(rendered(wrong, options_of(k_size)), a, b).nrmse, 0.25);
+    EXPECT_GT(test::error_of(rendered(wrong, options_of(k_size)), a, b).nrmse, 0.25);
 }
 
 // A mirror ray shows a smooth metal, and rays of its lobe a rough one.

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "api/scene_access.h"
 #include "base/math.h"
 #include "gnomon/gnomon.h"
 #include "host_scene.h"
+#include "two_references.h"
 
 namespace gnomon {
 namespace {
@@ -88,22 +90,6 @@ Scene beside_a_post(bool moves)
     return b.finish();
 }
 
-struct Error {
-    double nrmse = 0, energy = 0;
-};
-
-// Against two independent references, the noise of which is in neither figure.
-Error error_of(const std::vector<float>& image, const std::vector<float>& a, const std::vector<float>& b)
-{
-    double square = 0, sum = 0, all = 0;
-    for (std::size_t i = 0; i < image.size(); ++i) {
-        const double x = image[i], p = a[i], q = b[i];
-        square += (x - p) * (x - q), sum += x, all += 0.5 * (p + q);
-    }
-    const auto n = static_cast<double>(image.size());
-    return {std::sqrt(std::max(square / n, 0.0)) / (all / n), sum / all};
-}
-
 TEST(SpotsWithSize, LightAsInTheReference)
 {
     for (const bool moves : {false, true}) {
@@ -116,7 +102,7 @@ TEST(SpotsWithSize, LightAsInTheReference)
             options.reference = ReferenceLightOptions{.spp = 256, .bounces = 2, .seed = seed};
             truth[seed] = rendered(scene, options);
         }
-        const Error error = error_of(image, truth[0], truth[1]);
+        const test::ErrorOfImage error = test::error_of(image, truth[0], truth[1]);
         RecordProperty("nrmse", std::to_string(error.nrmse));
         EXPECT_LE(error.nrmse, .05) << moves;
         EXPECT_NEAR(error.energy, 1, .02) << moves;
@@ -172,6 +158,18 @@ TEST(SpotsWithSize, AreSeenWithinTheirConeAlone)
         const double truth = 6 * std::max(cosine, 0.0) * t * t * (3 - 2 * t);
         EXPECT_NEAR(static_cast<double>(image[0]), truth, .01) << angle;
     }
+}
+
+// Methods that know lights without size alone have a spot light of the same intensity.
+TEST(SpotsWithSize, AreSpotLightsForOtherMethods)
+{
+    SceneBuilder b;
+    b.area_light(spot(.25f, 6));
+    const std::vector<scene::Light>& lights = api::scene_of(b.finish())->lights;
+    ASSERT_EQ(lights.size(), 1u);
+    EXPECT_EQ(lights[0].type, scene::LightType::spot);
+    EXPECT_EQ(lights[0].outer_angle, k_outer);
+    EXPECT_NEAR(lights[0].color.x, 6 * k_pi * .25 * .25, 1e-3);
 }
 
 TEST(SpotsWithSize, HaveAnglesInTheirOrder)
