@@ -134,5 +134,74 @@ TEST(SmallShapes, ALongLedgeIsLitWhereItIsSeen)
     EXPECT_LT(error, 0.06);
 }
 
+// A step 30 cm high on a ground of 160 m x 160 m: the sun shines on the ground before it, and not on its riser. Of the
+// light map's texels those of the sun are 60 cm wide, those of candles in boxes elsewhere one or two centimetres.
+Scene step_in_the_sun(int candles)
+{
+    SceneBuilder builder;
+    const MaterialId white = builder.material({.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .ior = 1});
+    const auto box = [&](const Vec3& from, const Vec3& to) {
+        std::vector<Vec3> p;
+        std::vector<std::uint32_t> triangles;
+        for (int axis = 0; axis < 3; ++axis)
+            for (int side = 0; side < 2; ++side) {
+                const auto first = static_cast<std::uint32_t>(p.size());
+                for (const auto& [s, t] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
+                    const int bit[3] = {axis == 0   ? side
+                                        : axis == 1 ? t
+                                                    : s,
+                                        axis == 1   ? side
+                                        : axis == 2 ? t
+                                                    : s,
+                                        axis == 2   ? side
+                                        : axis == 0 ? t
+                                                    : s};
+                    p.push_back({bit[0] ? to.x : from.x, bit[1] ? to.y : from.y, bit[2] ? to.z : from.z});
+                }
+                for (const std::uint32_t corner : {0u, 1u, 2u, 0u, 2u, 3u}) triangles.push_back(first + corner);
+            }
+        builder.instance(builder.mesh({.positions = p, .indices = triangles}), white);
+    };
+    box({-80, -1, -80}, {80, 0, 80});
+    box({-3, 0, -2}, {3, 0.3f, 0});
+    for (int i = 0; i < candles; ++i) {
+        const float x = 20.0f + 2 * static_cast<float>(i);
+        box({x - 0.5f, 0, 19.5f}, {x + 0.5f, 1, 20.5f});
+        builder.light({.type = LightType::point, .color = {0.01f, 0.01f, 0.01f}}, Transform::translation(x, 0.5, 20));
+    }
+    // The riser faces +z; the sun stands behind the step, so high that its shadow is 3 cm long.
+    builder.light({.type = LightType::directional, .color = {3, 3, 3}}, Transform::look_at({0, 10, -1}, {0, 0, 0}));
+    Camera camera;
+    camera.transform = Transform::look_at({0, 0.5f, 3}, {0, 0.15f, 0});
+    camera.vertical_fov = 0.06;
+    builder.camera(camera);
+    return builder.finish();
+}
+
+// The radius of near light follows texels where light comes from: with one that follows most of all texels, six candles
+// elsewhere changed the riser's light by 2.2 %.
+TEST(SmallShapes, RisersAreLitByTheGroundBeforeThem)
+{
+    RenderOptions options = options_of(2);
+    options.size = {48, 24};
+    options.samples = 1;
+    const auto sum_of = [](const RenderOptions& with, int candles) {
+        const Frame frame = Renderer(with).render(step_in_the_sun(candles), 1);
+        double sum = 0;
+        for (const Layer& layer : frame.layers)
+            if (layer.name == "indirect")
+                for (const float value : layer.copy()) sum += static_cast<double>(value);
+        return sum;
+    };
+    RenderOptions reference = options;
+    reference.reference = ReferenceLightOptions{256, 2, 0};
+    const double alone = sum_of(options, 0), got = sum_of(options, 6), truth = sum_of(reference, 6);
+    RecordProperty("energy", std::to_string(got / truth));
+    RecordProperty("candles", std::to_string(got / alone));
+    EXPECT_GT(got, 0.97 * truth);
+    EXPECT_LT(got, 1.03 * truth);
+    EXPECT_NEAR(got, alone, 0.004 * alone);
+}
+
 }   // namespace
 }   // namespace gnomon
