@@ -127,9 +127,9 @@ bool Blur::any_active(const Tile& tile) const
     return false;
 }
 
-void Blur::keep(image::SampleSums&& sums, const image::SampleWeights& centre, int tile)
+void Blur::keep(image::SampleSums&& sums, const image::SampleWeights& centre, int share, int tile)
 {
-    others_ = std::move(sums), centre_ = centre, tile_ = tile;
+    others_ = std::move(sums), centre_ = centre, share_ = static_cast<float>(share), tile_ = tile;
 }
 
 void Blur::begin(Size size, int channels, float exposure)
@@ -233,7 +233,7 @@ void Blur::finish(const std::vector<ImageF*>& layers, Tasks& tasks) const
                 const float* const sum = sums_.pixel(x, y);
                 for (std::size_t c = 0; c < mean.size(); ++c) mean[c] = sum[c] / n;
                 if (all)
-                    all->add(tile, x - left, y - top, centre_, 1, mean.data(), image::LightWeight::linear);
+                    all->add(tile, x - left, y - top, centre_, share_, mean.data(), image::LightWeight::linear);
                 else
                     write(x, y, mean.data());
             }

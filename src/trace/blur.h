@@ -90,7 +90,9 @@ class Blur {
     bool touched(int x, int y) const { return any_ && *rounds_.pixel(x, y) > 0; }
 
     /// Keeps the sums of the samples of the other pixels, until finish().
-    void keep(image::SampleSums&& sums, const image::SampleWeights& centre, int tile);
+    /// @param centre  weights of a sample at a pixel's centre
+    /// @param share   that all samples of a pixel have in the sums
+    void keep(image::SampleSums&& sums, const image::SampleWeights& centre, int share, int tile);
     /// The number of values of each sample, in the order of averaged_layers().
     void begin(Size size, int channels, float exposure);
 
@@ -134,6 +136,7 @@ class Blur {
     ImageF squares_;   // of their colours
     std::optional<image::SampleSums> others_;
     image::SampleWeights centre_;
+    float share_ = 1;
     int tile_ = 32;
 };
 
