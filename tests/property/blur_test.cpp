@@ -482,6 +482,36 @@ TEST(Blur, AdaptiveSamplesErrLessThanAsManyRandomOnes)
     }
 }
 
+// Each pose makes all caches follow the scene. The first round tells how many samples each pixel takes in the second.
+TEST(Blur, PosesTheSceneInTwoRounds)
+{
+    std::vector<Board> many;
+    for (int i = 0; i < 8; ++i)
+        many.push_back({.color = glm::vec3(i % 2, 1, 0.2f),
+                        .side = 6,
+                        .at = {-24 + 6.5 * i, 3 * (i % 3), -5 - i},
+                        .speed = {64 * 48 * (i % 2 ? 1 : -1), 0, 0}});
+    const Scene scene = boards(many, 64);
+    frame::FrameEngine engine({.threads = 1});
+    RenderOptions options = options_of(k_adaptive_samples);
+    options.shutter = 180;
+    const double time = scene.time_of(k_frame), half = 0.25 / scene.fps();
+    engine.advance(api::scene_of(scene), time, options);
+    int views = 0;
+    frame::RenderRequest request;
+    request.shutter.emplace();
+    request.shutter->open = time - half, request.shutter->close = time + half;
+    request.shutter->view_at = [&](const scene::SceneState& state, double) {
+        ++views;
+        return engine.view_in(state, 0, {64, 64}, {});
+    };
+    const FrameCounters counters = engine.render(engine.make_view(0, {64, 64}), request);
+    EXPECT_GT(counters.samples.taken,
+              20 * counters.samples.pixels);   // so that many pixels go on to the largest number
+    constexpr int k_probes = 9;                // times at which motion is looked for
+    EXPECT_EQ(views, k_probes + trace::k_first_blur_samples + trace::k_most_blur_times);
+}
+
 TEST(BlurSample, EachRoundFillsTheStrataOfTimeEvenly)
 {
     for (const glm::ivec2 pixel : {glm::ivec2(0, 0), glm::ivec2(17, 4), glm::ivec2(1023, 7)})
