@@ -3,6 +3,8 @@
 // gpu_scene/scene_data.glsl, with `positions` and `normals` (three floats per vertex), `tangents` (four) and `indices`
 // declared.
 
+#include "shading/lobe_shared.h"
+
 struct Surface {
     vec3 position;
     vec3 geometric_normal;
@@ -255,7 +257,7 @@ Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float
         }
         s.normal = unit_or(s.front ? turned : -turned, s.geometric_normal);
         const float away = dot(s.normal, s.to_viewer);
-        const vec3 bent = away < 0 ? unit_or(s.normal - (away - 1e-3) * s.to_viewer, s.geometric_normal) : s.normal;
+        const vec3 bent = away < 0 ? unit_or(s.normal - (away - GNOMON_BENT_VIEW) * s.to_viewer, s.geometric_normal) : s.normal;
         if (dot(bent, s.geometric_normal) > 0.25) s.smooth_normal = bent;
         // As in ray/smooth_surface.cpp, at most half of the triangle's shortest altitude.
         const float longest = max(max(distance(t.p[0], t.p[1]), distance(t.p[1], t.p[2])), distance(t.p[2], t.p[0]));
@@ -272,7 +274,7 @@ Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float
         s.normal = mapped_normal(t, material.normal_texture, texels_found[k_normals], material.normal_scale, s.front,
                                  s.normal);
     const float facing = dot(s.normal, s.to_viewer);
-    if (facing < 0) s.normal = unit_or(s.normal - (facing - 1e-3) * s.to_viewer, s.geometric_normal);
+    if (facing < 0) s.normal = unit_or(s.normal - (facing - GNOMON_BENT_VIEW) * s.to_viewer, s.geometric_normal);
     fill_material(t, material, texels_found, s);
     return s;
 }

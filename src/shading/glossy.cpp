@@ -77,7 +77,7 @@ struct AlbedoTable {
         for (int r = 0; r < k_side; ++r)
             for (int c = 0; c < k_side; ++c)
                 parts[static_cast<std::size_t>(r * k_side + c)] =
-                    integrate(std::max(static_cast<float>(c) / (k_side - 1), k_least_cosine),
+                    integrate(std::max(static_cast<float>(c) / (k_side - 1), GNOMON_BENT_VIEW),
                               alpha_of(static_cast<float>(std::max(r, 1)) / (k_side - 1)));
     }
     static glm::vec2 integrate(float n_v, float alpha)

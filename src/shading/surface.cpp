@@ -9,6 +9,7 @@
 #include "scene/footprint.h"
 #include "scene/material_layers.h"
 #include "shading/layers.h"
+#include "shading/lobe_shared.h"
 
 namespace gnomon::shading {
 
@@ -211,7 +212,7 @@ void fill_metallic_roughness(const scene::Material& material, const TextureFrame
 glm::vec3 to_viewers_side(const SurfacePoint& s, const glm::vec3& normal)
 {
     const float facing = glm::dot(normal, s.to_viewer);
-    return facing < 0 ? unit_or(normal - (facing - 1e-3f) * s.to_viewer, s.geometric_normal) : normal;
+    return facing < 0 ? unit_or(normal - (facing - GNOMON_BENT_VIEW) * s.to_viewer, s.geometric_normal) : normal;
 }
 
 // The direction of u on the surface, unit; 0 without texture coordinates.

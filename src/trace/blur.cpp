@@ -16,11 +16,8 @@ namespace gnomon::trace {
 
 namespace {
 
-// Samples of a pixel after each round, where many pixels are touched, and where few are: then poses cost more than
-// samples.
-constexpr std::array<std::uint32_t, 5> k_of_many{k_first_blur_samples, 16, 32, 64, 128};
-constexpr std::array<std::uint32_t, 3> k_of_few{k_first_blur_samples, 32, 128};
-constexpr std::uint64_t k_few = 4;       // one in so many pixels of the image
+constexpr std::array<std::uint32_t, 5> k_totals{k_first_blur_samples, 16, 32, 64, 128};   // samples of a pixel
+constexpr int k_posed_rounds = 2;        // where poses cost as much as samples
 constexpr float k_convergence = 0.85f;   // power of the samples' number by which their error falls; 0.5: of random ones
 constexpr int k_reach = 2;               // pixels around whose samples tell of a pixel's error
 
@@ -127,9 +124,9 @@ bool Blur::any_active(const Tile& tile) const
     return false;
 }
 
-void Blur::keep(image::SampleSums&& sums, const image::SampleWeights& centre, int tile)
+void Blur::keep(image::SampleSums&& sums, const image::SampleWeights& centre, int share, int tile)
 {
-    others_ = std::move(sums), centre_ = centre, tile_ = tile;
+    others_ = std::move(sums), centre_ = centre, share_ = static_cast<float>(share), tile_ = tile;
 }
 
 void Blur::begin(Size size, int channels, float exposure)
@@ -143,33 +140,48 @@ void Blur::begin(Size size, int channels, float exposure)
 
 bool Blur::next_round(Tasks& tasks)
 {
-    if (!any_ || (round_ >= 0 && round_ + 1 == static_cast<int>(totals_.size()))) return false;
+    if (!any_) return false;
     if (round_ < 0) {
-        const auto pixels = static_cast<std::uint64_t>(size_.width) * static_cast<std::uint64_t>(size_.height);
-        const bool few = motion_.times > 1 && touched_pixels() * k_few < pixels;
-        few ? totals_.assign(k_of_few.begin(), k_of_few.end()) : totals_.assign(k_of_many.begin(), k_of_many.end());
+        totals_.assign(k_totals.begin(), k_totals.end());
         if (options_.samples > 0) totals_ = {static_cast<std::uint32_t>(options_.samples)};
     }
+    const bool posed = motion_.times > 1;
+    if (round_ + 1 ==
+        (posed ? std::min(k_posed_rounds, static_cast<int>(totals_.size())) : static_cast<int>(totals_.size())))
+        return false;
     // Go on with the pixels whose error is too large. Errors read the pixels that took part in the last round.
     Image8 next(size_.width, size_.height, 1);
-    std::vector<char> found(static_cast<std::size_t>(size_.height), 0);
+    std::vector<std::size_t> last(static_cast<std::size_t>(size_.height), 0);   // of each row, 1 and the largest total
     tasks.for_each(static_cast<std::size_t>(size_.height), [&](std::size_t row, int) {
         interruption_point();
         const int y = static_cast<int>(row);
         for (int x = 0; x < size_.width; ++x) {
-            const bool goes_on = round_ < 0 ? touched(x, y) : active(x, y) && error_at(x, y) > options_.error;
-            if (goes_on) *next.pixel(x, y) = 1, found[row] = 1;
+            const bool goes_on = round_ < 0 ? touched(x, y) : active(x, y) && error_at(x, y, end_) > options_.error;
+            if (!goes_on) continue;
+            const std::size_t total = round_ < 0 ? 0 : posed ? next_total(x, y) : static_cast<std::size_t>(round_) + 1;
+            *next.pixel(x, y) = static_cast<std::uint8_t>(total + 1);
+            last[row] = std::max(last[row], total + 1);
         }
     });
-    active_ = std::move(next);
+    const std::size_t largest = *std::ranges::max_element(last);
+    if (largest == 0) return false;
     ++round_;
     first_ = end_;
-    end_ = totals_[static_cast<std::size_t>(round_)];
+    end_ = totals_[largest - 1];
     use_times();
     for (int y = 0; y < size_.height; ++y)
         for (int x = 0; x < size_.width; ++x)
-            if (active(x, y)) ++*rounds_.pixel(x, y);
-    return std::ranges::any_of(found, [](char any) { return any != 0; });
+            if (*next.pixel(x, y) != 0) *rounds_.pixel(x, y) = static_cast<std::uint8_t>(*next.pixel(x, y) + 1);
+    active_ = std::move(next);
+    return true;
+}
+
+// The number of the least total with which a pixel's error is small enough, or of the last one.
+std::size_t Blur::next_total(int x, int y) const
+{
+    std::size_t total = static_cast<std::size_t>(round_) + 1;
+    while (total + 1 < totals_.size() && error_at(x, y, totals_[total]) > options_.error) ++total;
+    return total;
 }
 
 // Notes the times of the round's samples.
@@ -181,9 +193,10 @@ void Blur::use_times()
             used_[static_cast<std::size_t>(time_of({parity, 0}, s, motion_.times))] = 1;
 }
 
-// How far a pixel's mean may be from the true one, as a display shows it. Variance and mean are those of the samples of
-// all pixels around that took part: of its own, a pixel that happens to be too bright would stop earlier.
-float Blur::error_at(int x, int y) const
+// How far a pixel's mean of a number of samples may be from the true one, as a display shows it. Variance and mean are
+// those of the samples of all pixels around that took part: of its own, a pixel that happens to be too bright would
+// stop earlier.
+float Blur::error_at(int x, int y, std::uint32_t samples) const
 {
     const auto n = static_cast<float>(end_);
     glm::vec3 variance(0), mean(0);
@@ -198,7 +211,7 @@ float Blur::error_at(int x, int y) const
         }
     variance /= static_cast<float>(pixels) * (n - 1);
     mean /= static_cast<float>(pixels) * n;
-    const glm::vec3 error = glm::sqrt(variance) / std::pow(n, k_convergence);
+    const glm::vec3 error = glm::sqrt(variance) / std::pow(static_cast<float>(samples), k_convergence);
     return shading::difference(displayed(exposure_ * (mean + error)), displayed(exposure_ * mean));
 }
 
@@ -228,12 +241,11 @@ void Blur::finish(const std::vector<ImageF*>& layers, Tasks& tasks) const
         for (int y = top; y < std::min(top + tile_, size_.height); ++y)
             for (int x = left; x < std::min(left + tile_, size_.width); ++x) {
                 if (!touched(x, y)) continue;
-                const std::size_t taken = *rounds_.pixel(x, y) - std::size_t{1};
-                const auto n = static_cast<float>(totals_[taken - 1]);
+                const auto n = static_cast<float>(end_sample(x, y));
                 const float* const sum = sums_.pixel(x, y);
                 for (std::size_t c = 0; c < mean.size(); ++c) mean[c] = sum[c] / n;
                 if (all)
-                    all->add(tile, x - left, y - top, centre_, 1, mean.data(), image::LightWeight::linear);
+                    all->add(tile, x - left, y - top, centre_, share_, mean.data(), image::LightWeight::linear);
                 else
                     write(x, y, mean.data());
             }

@@ -7,9 +7,10 @@
 // 2. Pixels are touched if a moving object may be seen, may cast a shadow or may be mirrored in them, or if something
 //    that is out of focus is seen there or may reach into them (Blur::select()). All others stay as they are, bit for
 //    bit.
-// 3. Touched pixels get samples in rounds: 8, 16, 32, 64 and 128 in all; 8, 32 and 128 where few
-//    pixels are touched and the scene is posed, because each round poses it anew. After a round, those go on whose
-//    samples, and those of the pixels around, still differ too much (Blur::next_round()).
+// 3. Touched pixels get 8, 16, 32, 64 or 128 samples. With a lens alone, these are rounds: after each, those go on
+// whose
+//    samples, and those of the pixels around, still differ too much. Where the scene is posed, there are two rounds,
+//    because each poses it anew: the first 8 samples tell how many each pixel takes in all (Blur::next_round()).
 // 4. Each touched pixel becomes the mean of its samples, in linear light, so that what is blurred keeps its energy.
 //
 // Times are discrete: the scene is posed at up to 64 times of the shutter, in strata of equal length, one after the
@@ -90,7 +91,9 @@ class Blur {
     bool touched(int x, int y) const { return any_ && *rounds_.pixel(x, y) > 0; }
 
     /// Keeps the sums of the samples of the other pixels, until finish().
-    void keep(image::SampleSums&& sums, const image::SampleWeights& centre, int tile);
+    /// @param centre  weights of a sample at a pixel's centre
+    /// @param share   that all samples of a pixel have in the sums
+    void keep(image::SampleSums&& sums, const image::SampleWeights& centre, int share, int tile);
     /// The number of values of each sample, in the order of averaged_layers().
     void begin(Size size, int channels, float exposure);
 
@@ -102,7 +105,8 @@ class Blur {
     bool active(int x, int y) const { return *active_.pixel(x, y) != 0; }
     bool any_active(const Tile& tile) const;
     std::uint32_t first_sample() const { return first_; }
-    std::uint32_t end_sample() const { return end_; }
+    /// Of an active pixel.
+    std::uint32_t end_sample(int x, int y) const { return totals_[*rounds_.pixel(x, y) - std::size_t{2}]; }
     /// Adds a sample of an active pixel. Tasks may do so at once for different pixels.
     void add(int x, int y, const float* values);
 
@@ -117,23 +121,25 @@ class Blur {
     void touch_unsharp(const shading::CentreSamples& centres, const scene::View& view, Tasks& tasks);
     void widen(Tasks& tasks);
     void use_times();
-    float error_at(int x, int y) const;
+    float error_at(int x, int y, std::uint32_t samples) const;
+    std::size_t next_total(int x, int y) const;
 
     BlurMotion motion_;
     BlurOptions options_;
     Size size_{};
     bool any_ = false;
     int round_ = -1;
-    std::vector<std::uint32_t> totals_;   // samples of a pixel after each round
-    std::uint32_t first_ = 0, end_ = 0;
-    std::vector<char> used_;   // by time
+    std::vector<std::uint32_t> totals_;   // samples that a pixel may have
+    std::uint32_t first_ = 0, end_ = 0;   // samples of the round; the last of some pixels only
+    std::vector<char> used_;              // by time
     float exposure_ = 1;
-    Image8 rounds_;    // 0: not touched; else 1 and the rounds that were taken
+    Image8 rounds_;    // 0: not touched; 1: no samples yet; else 2 and the number of its total
     Image8 active_;    // of the round
     ImageF sums_;      // of samples
     ImageF squares_;   // of their colours
     std::optional<image::SampleSums> others_;
     image::SampleWeights centre_;
+    float share_ = 1;
     int tile_ = 32;
 };
 

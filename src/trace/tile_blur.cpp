@@ -15,7 +15,7 @@ void TileTracer::blur(const Tile& tile, Blur& blur, int time)
         const int x = static_cast<int>(even_bits(code)), y = static_cast<int>(even_bits(code >> 1));
         if (x >= tile.width || y >= tile.height || !blur.active(tile.x + x, tile.y + y)) continue;
         const glm::ivec2 at(tile.x + x, tile.y + y);
-        for (std::uint32_t number = blur.first_sample(); number < blur.end_sample(); ++number)
+        for (std::uint32_t number = blur.first_sample(); number < blur.end_sample(at.x, at.y); ++number)
             if (blur.time(at, number) == time)
                 wanted.push_back({static_cast<std::uint32_t>(y * tile.side + x), number, 0});
     }

@@ -102,7 +102,7 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
     for (PathQueue* queue : {&refracted_, &next_refracted_}) queue->rays.purpose = ray::RayClass::refraction;
 }
 
-void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out, image::SampleSums* sums)
+void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out, image::SampleSums* sums, const Blur* left_out)
 {
     begin_tile(tile);
     spreads_lobes_ = sums && lobes_;
@@ -111,7 +111,7 @@ void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out, image::Samp
         Stopwatch watch(times_);
         queue_primary(sample);
         shade_sample(sample, watch);
-        if (sums) add_samples(sample, *sums);
+        if (sums) add_samples(sample, *sums, left_out);
     }
     spreads_lobes_ = false;
     store_lobes();
@@ -229,14 +229,16 @@ void TileTracer::clear_sums(std::size_t count)
     shadow_.assign(count * scene_.lights.size(), 0);
 }
 
-// Adds the samples of all pixels to sums, and forgets them.
-void TileTracer::add_samples(int sample, image::SampleSums& sums)
+// Adds the samples of pixels to sums, and forgets them.
+// @param left_out  optional: without its touched pixels
+void TileTracer::add_samples(int sample, image::SampleSums& sums, const Blur* left_out)
 {
     const glm::vec2 offset = scene::sample_offset(sample, options_.samples);
     const image::SampleWeights weights = image::sample_weights(options_.filter, offset);
     std::vector<float> values(static_cast<std::size_t>(sums.channels()));
     for (int y = 0; y < tile_.height; ++y)
         for (int x = 0; x < tile_.width; ++x) {
+            if (left_out && left_out->touched(tile_.x + x, tile_.y + y)) continue;
             const int pixel = y * tile_.side + x;
             values_of(static_cast<std::size_t>(pixel), values.data());
             const float counts = sums.add(number_of(tile_), x, y, weights, 1, values.data());

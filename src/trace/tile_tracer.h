@@ -42,8 +42,10 @@ class TileTracer {
                const SizedTechnique& sized, EnvironmentTechnique* environment, IndirectLight* indirect,
                LobeImage* lobes, shading::CentreSamples* centres, TraceLog* log);
 
-    /// @param sums  optional: takes the samples, which `out` then lacks but for the layers of the first one
-    void trace(const Tile& tile, shading::FrameBuffers& out, image::SampleSums* sums = nullptr);
+    /// @param sums      optional: takes the samples, which `out` then lacks but for the layers of the first one
+    /// @param left_out  optional: the sums are without the samples of its touched pixels
+    void trace(const Tile& tile, shading::FrameBuffers& out, image::SampleSums* sums = nullptr,
+               const Blur* left_out = nullptr);
     /// Adds the samples of a tile's selected pixels, which trace() began, to sums: those at the centres, and further
     /// ones.
     void refine(const Tile& tile, const Refinement& refinement, RefinedPixels& pixels);
@@ -92,7 +94,7 @@ class TileTracer {
     void clear_sums(std::size_t count);
     // Of TileTracer::trace().
     std::size_t number_of(const Tile& tile) const;
-    void add_samples(int sample, image::SampleSums& sums);
+    void add_samples(int sample, image::SampleSums& sums, const Blur* left_out);
     void values_of(std::size_t at, float* values) const;
     // Of TileTracer::refine() (tile_refiner.cpp).
     void find_refined(const RefinedPixels& pixels);

@@ -209,6 +209,14 @@ float exposure_of(const shading::FrameBuffers& out, const TracedOptions& options
     return std::exp2(options.exposure ? *options.exposure : static_cast<float>(image::auto_exposure(out.color.data)));
 }
 
+// The frame at one sample a pixel, which comes before one of more samples that are filtered.
+TracedOptions single_of(const TracedOptions& options)
+{
+    TracedOptions single = options;
+    single.samples = 1, single.filter = PixelFilter::box;
+    return single;
+}
+
 // The luminance from which on light of a filtered frame counts less. Without an exposure, that of an image of one
 // sample a pixel sets it, as for adaptive samples.
 float white_of(const scene::SceneState& state, const ray::RayScene& rays, const scene::View& view,
@@ -216,8 +224,8 @@ float white_of(const scene::SceneState& state, const ray::RayScene& rays, const 
 {
     if (!options.filters_shown) return k_infinity;
     if (options.exposure) return k_white / std::exp2(*options.exposure);
-    TracedOptions single = options;
-    single.samples = 1, single.filter = PixelFilter::box, single.layers = false;
+    TracedOptions single = single_of(options);
+    single.layers = false;
     shading::FrameBuffers buffers;
     trace_frame(state, rays, view, single, tasks, buffers, techniques);
     for (std::size_t stage = 0; stage < FrameTimes::k_stages; ++stage) times.ms[stage] += buffers.times.ms[stage];
@@ -260,7 +268,7 @@ void take_further_samples(const shading::CentreSamples& centres, const LobeImage
         pass.tracer(worker).add_single(pass.tile(index), refinement, pixels);
     });
     if (blurs)
-        blur->keep(std::move(sums), refinement.weights[0], options.tile);
+        blur->keep(std::move(sums), refinement.weights[0], 1, options.tile);
     else
         resolve(sums, pass.tiles(), tasks, out, options);
 }
@@ -292,7 +300,14 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     const InterruptionScope scope(progress ? &interruption : Interruption::current());
     out.times = {};
     const bool filters = !options.adaptive && options.filter != PixelFilter::box;
-    const float white = filters ? white_of(state, rays, view, options, tasks, techniques, out.times) : k_infinity;
+    float white = k_infinity;
+    if (filters && blur) {
+        // Find the touched pixels first, so that the others are filtered without their samples.
+        trace_frame(state, rays, view, single_of(options), tasks, out, techniques, nullptr, {}, blur);
+        if (options.filters_shown) white = k_white / exposure_of(out, options);
+    } else if (filters) {
+        white = white_of(state, rays, view, options, tasks, techniques, out.times);
+    }
     const FrameContext frame{state, rays, view, tasks};
     Pass pass(frame, options, techniques, log, out.times);
     const Size size = view.size;
@@ -302,7 +317,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     std::optional<LobeImage> lobes;
     if (!options.random_lobes && has_lobes(state.scene())) lobes.emplace(size, options.tile);
     std::optional<shading::CentreSamples> centres;
-    if (options.adaptive || blur) centres.emplace(size);
+    if (options.adaptive || (blur && !filters)) centres.emplace(size);
     pass.lobes = lobes ? &*lobes : nullptr;
     pass.centres = centres ? &*centres : nullptr;
 
@@ -312,7 +327,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     std::atomic<std::size_t> done = 0;
     report_progress("tracing", 0);
     tasks.for_each(pass.tiles(), [&](std::size_t index, int worker) {
-        pass.tracer(worker).trace(pass.tile(index), out, filters ? &*sums : nullptr);
+        pass.tracer(worker).trace(pass.tile(index), out, filters ? &*sums : nullptr, filters ? blur : nullptr);
         report_progress("tracing", static_cast<double>(++done) / static_cast<double>(pass.tiles()));
     });
 
@@ -320,7 +335,12 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         lobes->add_to(*sums, tasks);
     else if (lobes)
         lobes->add_to(out.color, 1.0f / static_cast<float>(options.samples), tasks);
-    if (filters) resolve(*sums, pass.tiles(), tasks, out, options);
+    if (filters && blur && blur->any())
+        blur->keep(std::move(*sums), image::sample_weights(options.filter, glm::vec2(0.5f)), options.samples,
+                   options.tile);
+    else if (filters)
+        resolve(*sums, pass.tiles(), tasks, out, options);
+    if (filters) return pass.end();
 
     if (blur) blur->select(*centres, state, view, techniques.sized, tasks);
     if (options.adaptive) take_further_samples(*centres, pass.lobes, options, pass, tasks, out, blur);

@@ -189,6 +189,39 @@ TEST(MotionBlur, WhatStandsStillHasTheSameBytes)
     }
 }
 
+// The filter of many samples reaches from blurred pixels into sharp ones and back, as that of adaptive samples does.
+TEST(MotionBlur, EveryNumberOfSamplesHasThePixelFilter)
+{
+    const Scene scene = boards({{.side = 12, .at = {-9, 0, -5}, .speed = {6 * 48, 0, 0}},
+                                {.color = {0.3f, 0.6f, 0.2f}, .side = 9.5f, .at = {0.4, 9.3, -6}},
+                                {.color = {0.8f, 0.1f, 0.2f}, .side = 15.5f, .at = {18.4, -12.7, -7}}},
+                               64);
+    const auto image = [&](int samples, PixelFilter filter, double shutter) {
+        RenderOptions options = options_of(samples);
+        options.filter = filter, options.shutter = shutter;
+        return frame_of(scene, options);
+    };
+    const auto apart = [](const Frame& a, const Frame& b, int x, int y) {
+        return std::abs(a.layer("")->value(x, y) - b.layer("")->value(x, y));
+    };
+    const Frame adaptive = image(k_adaptive_samples, PixelFilter::automatic, 180);
+    const Frame many = image(64, PixelFilter::blackman_harris, 180), box = image(64, PixelFilter::box, 180);
+    const Frame sharp = image(64, PixelFilter::blackman_harris, 0);
+    float largest = 0, largest_of_box = 0;
+    for (int y = 0; y < 64; ++y)
+        for (int x = 0; x < 64; ++x) {
+            // Far from what moves, the image is that without a shutter.
+            if (x >= 40 || y < 8) {
+                EXPECT_EQ(apart(many, sharp, x, y), 0) << x << " " << y;
+            } else if (x < 36) {
+                largest = std::max(largest, apart(many, adaptive, x, y));
+                largest_of_box = std::max(largest_of_box, apart(many, box, x, y));
+            }
+        }
+    EXPECT_LT(largest, 0.03f);
+    EXPECT_GT(largest_of_box, 0.05f);
+}
+
 TEST(MotionBlur, AClosedShutterAndAStillSceneChangeNothing)
 {
     const Scene moving = load("builtin:spheres?objects=20&dynamic=20&vertices=200");
@@ -447,6 +480,36 @@ TEST(Blur, AdaptiveSamplesErrLessThanAsManyRandomOnes)
         EXPECT_LT(adaptive.samples, 0.4 * equal) << c.name << ": " << error << ", random " << random;
         EXPECT_LT(error_of(render(32, false).color, truth.color, sharp), 1.05 * random) << c.name;
     }
+}
+
+// Each pose makes all caches follow the scene. The first round tells how many samples each pixel takes in the second.
+TEST(Blur, PosesTheSceneInTwoRounds)
+{
+    std::vector<Board> many;
+    for (int i = 0; i < 8; ++i)
+        many.push_back({.color = glm::vec3(i % 2, 1, 0.2f),
+                        .side = 6,
+                        .at = {-24 + 6.5 * i, 3 * (i % 3), -5 - i},
+                        .speed = {64 * 48 * (i % 2 ? 1 : -1), 0, 0}});
+    const Scene scene = boards(many, 64);
+    frame::FrameEngine engine({.threads = 1});
+    RenderOptions options = options_of(k_adaptive_samples);
+    options.shutter = 180;
+    const double time = scene.time_of(k_frame), half = 0.25 / scene.fps();
+    engine.advance(api::scene_of(scene), time, options);
+    int views = 0;
+    frame::RenderRequest request;
+    request.shutter.emplace();
+    request.shutter->open = time - half, request.shutter->close = time + half;
+    request.shutter->view_at = [&](const scene::SceneState& state, double) {
+        ++views;
+        return engine.view_in(state, 0, {64, 64}, {});
+    };
+    const FrameCounters counters = engine.render(engine.make_view(0, {64, 64}), request);
+    EXPECT_GT(counters.samples.taken,
+              20 * counters.samples.pixels);   // so that many pixels go on to the largest number
+    constexpr int k_probes = 9;                // times at which motion is looked for
+    EXPECT_EQ(views, k_probes + trace::k_first_blur_samples + trace::k_most_blur_times);
 }
 
 TEST(BlurSample, EachRoundFillsTheStrataOfTimeEvenly)
