@@ -7,9 +7,8 @@
 // 2. Pixels are touched if a moving object may be seen, may cast a shadow or may be mirrored in them, or if something
 //    that is out of focus is seen there or may reach into them (Blur::select()). All others stay as they are, bit for
 //    bit.
-// 3. Touched pixels get 8, 16, 32, 64 or 128 samples. With a lens alone, these are rounds: pixels go on whose samples,
-// and
-//    those of the pixels around, still differ too much. Where the scene is posed, there are two rounds, because each
+// 3. Touched pixels get 8, 16, 32, 64 or 128 samples. With a lens alone, these are rounds: pixels go on whose samples
+//    and those of the pixels around still differ too much. Where the scene is posed, there are two rounds, because each
 //    poses it anew: the first 8 samples tell how many each pixel takes in all (Blur::next_round()).
 // 4. Each touched pixel becomes the mean of its samples, in linear light, so that what is blurred keeps its energy.
 //

@@ -178,8 +178,8 @@ Scene step_in_the_sun(int candles)
     return builder.finish();
 }
 
-// The radius of near light follows texels where light comes from: with one that follows most of all texels, six candles
-// elsewhere changed the riser's light by 2.2 %.
+// The candles take texels of the sun's light map, which are wider then. Where near light reached as far as one texel is
+// wide, that changed the riser's light by 2.2 %.
 TEST(SmallShapes, RisersAreLitByTheGroundBeforeThem)
 {
     RenderOptions options = options_of(2);

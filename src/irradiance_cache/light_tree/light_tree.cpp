@@ -2,7 +2,6 @@
 #include "irradiance_cache/light_tree/light_tree.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 
 #include "base/check.h"
@@ -568,16 +567,17 @@ void LightTree::follow_dynamic(const scene::FrameChanges& changes)
 
 float LightTree::leaf_spacing() const
 {
-    double sum = 0, flux = 0;
+    std::vector<float> area;
     for (const View& view : views_) {
         if (!view.on) continue;
         const NodeId leaves = first_of_level(view, view.levels);
-        for (NodeId id = leaves; id < leaves + static_cast<NodeId>(view.side * view.side); ++id) {
-            const double weight = quads_[id / 4].flux[id % 4], area = quads_[id / 4].area[id % 4];
-            if (weight > 0 && area > 0) sum += weight * std::log(area), flux += weight;
-        }
+        for (NodeId id = leaves; id < leaves + static_cast<NodeId>(view.side * view.side); ++id)
+            if (quads_[id / 4].flux[id % 4] > 0) area.push_back(quads_[id / 4].area[id % 4]);
     }
-    return flux > 0 ? static_cast<float>(std::exp(0.5 * sum / flux)) : 0.0f;
+    if (area.empty()) return 0;
+    const auto middle = area.begin() + static_cast<std::ptrdiff_t>(area.size() / 2);
+    std::nth_element(area.begin(), middle, area.end());
+    return std::sqrt(*middle);
 }
 
 std::size_t LightTree::bytes() const

@@ -153,8 +153,7 @@ class LightTree {
     /// Counts the updates that changed flux.
     std::uint32_t flux_version() const { return flux_version_; }
 
-    /// The width of leaves where light comes from: the geometric mean of the roots of their areas, weighted by static flux.
-    /// 0 without light.
+    /// The square root of the median area of lit leaves.
     float leaf_spacing() const;
 
     std::size_t size() const { return children_.size(); }
