@@ -163,7 +163,8 @@ void TileTracer::note_mirrored(std::span<const glm::vec3> without)
     }
     for (int y = 0; y < tile_.height; ++y)
         for (int x = 0; x < tile_.width; ++x) {
-            const auto i = static_cast<std::size_t>(y * tile_.side + x);
+            const auto i =
+                static_cast<std::size_t>(y) * static_cast<std::size_t>(tile_.side) + static_cast<std::size_t>(x);
             shading::CentreSample& centre = centres_->at(tile_.x + x, tile_.y + y);
             if (centre.apart) centre.mirrored = color_[i] - without[i];
         }
