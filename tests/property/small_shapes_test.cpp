@@ -142,24 +142,11 @@ Scene step_in_the_sun(int candles)
     const MaterialId white = builder.material({.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .ior = 1});
     const auto box = [&](const Vec3& from, const Vec3& to) {
         std::vector<Vec3> p;
-        std::vector<std::uint32_t> triangles;
-        for (int axis = 0; axis < 3; ++axis)
-            for (int side = 0; side < 2; ++side) {
-                const auto first = static_cast<std::uint32_t>(p.size());
-                for (const auto& [s, t] : {std::pair{0, 0}, {1, 0}, {1, 1}, {0, 1}}) {
-                    const int bit[3] = {axis == 0   ? side
-                                        : axis == 1 ? t
-                                                    : s,
-                                        axis == 1   ? side
-                                        : axis == 2 ? t
-                                                    : s,
-                                        axis == 2   ? side
-                                        : axis == 0 ? t
-                                                    : s};
-                    p.push_back({bit[0] ? to.x : from.x, bit[1] ? to.y : from.y, bit[2] ? to.z : from.z});
-                }
-                for (const std::uint32_t corner : {0u, 1u, 2u, 0u, 2u, 3u}) triangles.push_back(first + corner);
-            }
+        const Vec3 ends[2] = {from, to};
+        // The corners' numbers have a bit for each axis.
+        for (int i = 0; i < 8; ++i) p.push_back({ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2].z});
+        const std::vector<std::uint32_t> triangles{0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4,
+                                                   2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6};
         builder.instance(builder.mesh({.positions = p, .indices = triangles}), white);
     };
     box({-80, -1, -80}, {80, 0, 80});
