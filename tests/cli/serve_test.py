@@ -2,7 +2,7 @@
 """A client of `gnomon serve`, by Drake's glTF Render Client-Server API: images, what is kept, and what is refused.
 
     serve_test.py PROGRAM [MALFORMED REQUESTS]    numbers of malformed requests, and of those of the test of memory: 200
-                                                  and 120 without them
+                                                  and 240 without them
     SEED=N                                        of the malformed requests: 1 without it
     SECONDS=N                                     send malformed requests for so long, however many they are
 """
@@ -28,7 +28,7 @@ import zlib
 
 PROGRAM = sys.argv.pop(1) if len(sys.argv) > 1 else "gnomon"
 MALFORMED = int(sys.argv.pop(1)) if len(sys.argv) > 1 and sys.argv[1].isdigit() else 200
-REQUESTS = int(sys.argv.pop(1)) if len(sys.argv) > 1 and sys.argv[1].isdigit() else 120
+REQUESTS = int(sys.argv.pop(1)) if len(sys.argv) > 1 and sys.argv[1].isdigit() else 240
 SEED = int(os.environ.get("SEED", "1"))
 SECONDS = float(os.environ.get("SECONDS", "0"))
 
@@ -325,17 +325,20 @@ class Serve(unittest.TestCase):
         return (int(status[1]) if status else None), text
 
     def test_many_requests_do_not_grow(self):
+        # The renderers' memory fills in the first hundred requests, by up to 30 MB with many threads. Growth is what comes
+        # after them.
+        warm = 160
         used = []
-        for i in range(REQUESTS):
+        for i in range(warm + REQUESTS):
             # Every tenth shows another thing, which is loaded; every seventh is wrong.
             scene = make_scene(square=(0.01 * (i % 50), 0.0, 0.0), wall=i // 10 % 2 == 0)
             fields = fields_of(("depth", "label", "color")[i % 3], 32, 24)
             status = self.server.render(fields | ({"near": "x"} if i % 7 == 6 else {}), scene)[0]
             self.assertEqual(status, 400 if i % 7 == 6 else 200)
-            if i in (REQUESTS // 2, REQUESTS - 1):
+            if i in (warm - 1, warm + REQUESTS - 1):
                 with open(f"/proc/{self.server.process.pid}/statm") as statm:
                     used.append(int(statm.read().split()[1]) * os.sysconf("SC_PAGE_SIZE"))
-        self.assertLess(used[1] - used[0], 16 << 20, used)
+        self.assertLess(used[1] - used[0], 8 << 20, used)
         code, _, err = self.server.stop()
         self.assertEqual((code, err), (0, ""))
 
