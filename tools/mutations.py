@@ -621,4 +621,10 @@ MUTATIONS = (
     row("infinite-accepted", "api", "numbers of a host need not be finite",
         "src/api/host_state.cpp", "if (!std::isfinite(weight)) throw UsageError", "if (std::isnan(weight)) throw UsageError",
         "hostile:Misuse.*"),
+    row("mirrored-is-plain", "shading", "light is compared as it is where a part of it is mirrored",
+        "src/shading/centre_samples.cpp", "if (own.reflectance == other.reflectance && own.mirrored == glm::vec3(0) &&",
+        "if (own.reflectance == other.reflectance &&", "unit:CentreSamples.*"),
+    row("centres-stay", "trace", "pixels that show nothing show what the frame before met there",
+        "src/trace/tile_tracer.cpp", "centres_->clear(y, tile.x, tile.x + tile.width);", "static_cast<void>(y);",
+        "property:Room.*"),
 )

@@ -139,6 +139,7 @@ void FrameEngine::forget()
     buffers_.reset();
     memory_ = {};
     buffers_ = memory_.take();
+    scratch_ = {};
     turn_centre_.reset();
     shown_bounds_.forget();
     first_frame_ = true;
@@ -408,7 +409,7 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
     buffers_.reset();
     buffers_ = memory_.take();
     if (limit_.bytes() > 0) {
-        const std::size_t others = held_bytes() - bytes_of(*buffers_);
+        const std::size_t others = held_bytes() - bytes_of(*buffers_) - scratch_.bytes();
         limit_.check(others + buffer_bytes(view.size, options_, plan_.reference, scene_->lights.size()),
                      "the layers of the image");
     }
@@ -524,7 +525,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     std::optional<trace::NahShadows> nah;
     std::optional<trace::EveryShadowRay> every_ray;
     std::optional<trace::CheckedShadows> checked;
-    trace::Techniques techniques;
+    trace::Techniques techniques{.scratch = &scratch_};
     if (certified_) techniques.shadows = &certified.emplace(*certified_, settings_.defers_certificates);
     if (nah_) techniques.shadows = &nah.emplace(*nah_);
     if (plan_.shown == Shown::shadow_states) {
@@ -599,6 +600,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     // Where all pixels are blurred, many samples at the shutter's middle would be in vain.
     if (blur && blur->motion().everything)
         traced.samples = 1, traced.filter = image::chosen_filter(options_.filter, traced.adaptive);
+    if (!traced.adaptive && !blur) scratch_ = {};
     FrameCounters counters = trace::trace_frame(*state_, *rays_, view, traced, tasks, *buffers_, techniques,
                                                 request.log, {}, blur ? &*blur : nullptr);
     if (blur && blur->any()) blur_traced(*blur, *request.shutter, traced, techniques, tasks, counters);
@@ -654,7 +656,7 @@ std::size_t FrameEngine::cached_bytes() const
 
 std::size_t FrameEngine::held_bytes() const
 {
-    return cached_bytes() + bytes_of(*buffers_) + (rays_ ? rays_->statistics().bytes : 0);
+    return cached_bytes() + bytes_of(*buffers_) + scratch_.bytes() + (rays_ ? rays_->statistics().bytes : 0);
 }
 
 void FrameEngine::check_memory(std::string_view what) const

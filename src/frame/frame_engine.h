@@ -35,6 +35,7 @@
 #include "shading/frame_buffers.h"
 #include "shadow_culling/certified/certified_culling.h"
 #include "shadow_culling/nah2009/paper_culling.h"
+#include "trace/frame_scratch.h"
 #include "trace/proven_visibility.h"
 #include "trace/state_map.h"
 #include "trace/trace_log.h"
@@ -243,6 +244,7 @@ class FrameEngine {
 
     FrameMemory memory_;
     std::shared_ptr<shading::FrameBuffers> buffers_ = memory_.take();
+    trace::FrameScratch scratch_;
     trace::StateMap states_;
     scene::View view_;             // of the last frame
     bool has_frame_ = false;       // see has_frame()

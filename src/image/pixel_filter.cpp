@@ -80,17 +80,24 @@ SampleWeights lone_sample_weights(PixelFilter filter)
 }
 
 SampleSums::SampleSums(Size size, int tile, int channels, float white)
-    : size_(size),
-      side_(tile),
-      columns_((size.width + tile - 1) / tile),
-      rows_((size.height + tile - 1) / tile),
-      channels_(channels),
-      white_(white),
-      stride_(static_cast<std::size_t>(channels) + 2),
-      tile_floats_(static_cast<std::size_t>(tile + 2) * static_cast<std::size_t>(tile + 2) * stride_)
+{
+    begin(size, tile, channels, white);
+    std::ranges::fill(sums_, 0.0f);
+}
+
+void SampleSums::begin(Size size, int tile, int channels, float white)
 {
     GNOMON_CHECK(tile > 0 && channels >= 3);
-    sums_.assign(tile_floats_ * static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), 0);
+    size_ = size, side_ = tile, channels_ = channels, white_ = white;
+    columns_ = (size.width + tile - 1) / tile, rows_ = (size.height + tile - 1) / tile;
+    stride_ = static_cast<std::size_t>(channels) + 2;
+    tile_floats_ = static_cast<std::size_t>(tile + 2) * static_cast<std::size_t>(tile + 2) * stride_;
+    sums_.resize(tile_floats_ * static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
+}
+
+void SampleSums::clear(std::size_t tile)
+{
+    std::fill_n(sums_.data() + tile * tile_floats_, tile_floats_, 0.0f);
 }
 
 float SampleSums::add(std::size_t tile, int x, int y, const SampleWeights& weights, float share, const float* values,
@@ -100,18 +107,23 @@ float SampleSums::add(std::size_t tile, int x, int y, const SampleWeights& weigh
     const float dimmed = counts == LightWeight::shown && light > white_ ? white_ / light : 1.0f;
 
     // Add to the pixel and its neighbours. The border makes room for all of them.
-    float* const first = sums_.data() + tile * tile_floats_;
-    for (int dy = 0; dy < 3; ++dy)
-        for (int dx = 0; dx < 3; ++dx) {
-            const float weight = share * weights.across[dx] * weights.down[dy];
-            if (weight == 0) continue;
-            float* to = first + static_cast<std::size_t>((y + dy) * (side_ + 2) + x + dx) * stride_;
-            const float of_color = weight * dimmed;
-            for (int c = 0; c < 3; ++c) to[c] += of_color * values[c];
-            for (int c = 3; c < channels_; ++c) to[c] += weight * values[c];
-            to[channels_] += of_color;
-            to[channels_ + 1] += weight;
-        }
+    float* const first = sums_.data() + tile * tile_floats_ + static_cast<std::size_t>(y * (side_ + 2) + x) * stride_;
+    const std::size_t row = static_cast<std::size_t>(side_ + 2) * stride_;
+    const auto add_all = [&](int channels) {
+        for (std::size_t dy = 0; dy < 3; ++dy)
+            for (std::size_t dx = 0; dx < 3; ++dx) {
+                const float weight = share * weights.across[dx] * weights.down[dy];
+                if (weight == 0) continue;
+                float* const to = first + dy * row + dx * (static_cast<std::size_t>(channels) + 2);
+                const float of_color = weight * dimmed;
+                for (int c = 0; c < 3; ++c) to[c] += of_color * values[c];
+                for (int c = 3; c < channels; ++c) to[c] += weight * values[c];
+                to[channels] += of_color;
+                to[channels + 1] += weight;
+            }
+    };
+    // Most images have colour alone; the compiler then knows how far apart pixels are.
+    channels_ == 3 ? add_all(3) : add_all(channels_);
     return dimmed;
 }
 

@@ -65,6 +65,14 @@ class SampleSums {
     /// @param channels  of a sample, the colour's three first
     /// @param white     luminance from which on light counts less; infinite: all light counts as it is
     SampleSums(Size size, int tile, int channels, float white);
+    /// For begin().
+    SampleSums() = default;
+
+    /// Begins another image, as the constructor does, in the memory of the last one. Each tile must be cleared before a
+    /// sample is added to it.
+    void begin(Size size, int tile, int channels, float white);
+    /// Forgets the samples of a tile.
+    void clear(std::size_t tile);
 
     /// Adds a sample. One thread at a time for each tile.
     /// @param tile    its number, row by row
@@ -87,11 +95,11 @@ class SampleSums {
  private:
     const float* sums_of(int column, int row, int x, int y) const;
 
-    Size size_;
-    int side_, columns_, rows_, channels_;
-    float white_;
-    std::size_t stride_;        // floats of a pixel: the channels, and the weights of colour and of the others
-    std::size_t tile_floats_;   // of a tile and its border
+    Size size_{};
+    int side_ = 0, columns_ = 0, rows_ = 0, channels_ = 0;
+    float white_ = 0;
+    std::size_t stride_ = 0;        // floats of a pixel: the channels, and the weights of colour and of the others
+    std::size_t tile_floats_ = 0;   // of a tile and its border
     std::vector<float> sums_;
 };
 

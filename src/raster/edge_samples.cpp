@@ -95,10 +95,15 @@ void EdgeSamples::set_centres(const DrawnSurfaces& drawn)
     selected_.assign(pixel, 0);
     std::vector<float> values(static_cast<std::size_t>(sums_.channels()));
     pixel = 0;
+    constexpr int k_rows = 16;   // at a time
+    std::vector<std::uint8_t> found(k_rows * static_cast<std::size_t>(size.width));
     for (int y = 0; y < size.height; ++y) {
         interruption_point();
+        if (y % k_rows == 0)
+            centres_.find_more(y, std::min(y + k_rows, size.height), single_.color, options_.refine, found);
         for (int x = 0; x < size.width; ++x, ++pixel) {
-            const bool more = centres_.needs_more(x, y, single_.color, options_.refine) ||
+            const auto in_rows = static_cast<std::size_t>(y % k_rows) * static_cast<std::size_t>(size.width);
+            const bool more = found[in_rows + static_cast<std::size_t>(x)] ||
                               centres_.varies(x, y, single_.color, options_.refine) ||
                               (alpha_ >= 0 && centres_.covered_in_part(x, y));
             selected_[pixel] = more ? 1 : 0;

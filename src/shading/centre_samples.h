@@ -9,9 +9,12 @@
 //
 // Differences are measured as a display shows them, so that the bounds are those of the eye: see shown().
 //
-// The pixels that are found depend on the image of one sample a pixel alone. Cost: up to 8 comparisons for each pixel.
+// The pixels that are found depend on the image of one sample a pixel alone. Cost: 4 comparisons for each pixel,
+// because each pair of neighbours is compared once.
 
+#include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/image.h"
@@ -84,19 +87,33 @@ bool same_surface(const CentreSample& a, const CentreSample& b, const RefineOpti
 /// The samples at the pixels' centres, row by row.
 class CentreSamples {
  public:
-    explicit CentreSamples(Size size)
-        : size_(size), samples_(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height))
+    /// Nothing is met.
+    explicit CentreSamples(Size size) { begin(size); }
+    /// For begin().
+    CentreSamples() = default;
+
+    /// Begins another image in the memory of the last one. Each of its pixels must be set, or cleared.
+    void begin(Size size)
     {
+        size_ = size;
+        samples_.resize(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
     }
+    /// Lets the pixels [begin, end) of a row meet nothing.
+    void clear(int y, int begin, int end) { std::fill(&at(begin, y), &at(begin, y) + (end - begin), CentreSample{}); }
     CentreSample& at(int x, int y) { return samples_[index(x, y)]; }
     const CentreSample& at(int x, int y) const { return samples_[index(x, y)]; }
     bool inside(int x, int y) const { return x >= 0 && y >= 0 && x < size_.width && y < size_.height; }
     Size size() const { return size_; }
     std::size_t bytes() const { return samples_.capacity() * sizeof(CentreSample); }
 
-    /// Whether a pixel needs more samples.
-    /// @param color  3 channels: the light of the samples
-    bool needs_more(int x, int y, const ImageF& color, const RefineOptions& options) const;
+    /// Finds the pixels of some rows that need more samples.
+    /// @param begin, end  of the rows. The one above and the one below are compared with them, so that few rows at a
+    /// time
+    ///                    cost more
+    /// @param color       3 channels: the light of the samples
+    /// @param more        out: by pixel of the rows, 1 or 0
+    void find_more(int begin, int end, const ImageF& color, const RefineOptions& options,
+                   std::span<std::uint8_t> more) const;
 
     /// Whether a pixel or one around it shows what lies behind the scene, and another does not: alpha differs there,
     /// whatever their light is.
@@ -107,11 +124,12 @@ class CentreSamples {
     bool varies(int x, int y, const ImageF& color, const RefineOptions& options) const;
 
  private:
+    class Rows;
     std::size_t index(int x, int y) const
     {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) + static_cast<std::size_t>(x);
     }
-    Size size_;
+    Size size_{};
     std::vector<CentreSample> samples_;
 };
 

@@ -28,6 +28,7 @@
 #include "scene/view.h"
 #include "shading/centre_samples.h"
 #include "shading/frame_buffers.h"
+#include "trace/point_batch.h"
 
 namespace gnomon::trace {
 
@@ -64,6 +65,8 @@ class RefinedPixels {
     /// A pixel that is made otherwise: it takes no part.
     void leave_out(int x, int y) { *state_.pixel(x, y) = k_left_out; }
 
+    /// Whether it has pixels for the next round.
+    bool any_selected(const Tile& tile) const;
     bool selected(int x, int y) const { return *state_.pixel(x, y) == k_selected; }
     /// It has one sample, or is selected for a round that was not made.
     bool single(int x, int y) const { return *state_.pixel(x, y) <= k_selected; }

@@ -116,8 +116,10 @@ void TileTracer::add_single(const Tile& tile, const Refinement& refinement, cons
                 add_texture(at, refinement);
                 continue;
             }
-            single_values(at);
-            refinement.sums.add(number_of(tile), x, y, refinement.lone, 1, single_values_.data());
+            const bool color_alone = refinement.layers.size() == 1;
+            if (!color_alone) single_values(at);
+            refinement.sums.add(number_of(tile), x, y, refinement.lone, 1,
+                                color_alone ? refinement.layers[0]->pixel(at.x, at.y) : single_values_.data());
         }
     refinement_ = nullptr;
 }

@@ -105,6 +105,7 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
 void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out, image::SampleSums* sums, const Blur* left_out)
 {
     begin_tile(tile);
+    for (int y = tile.y; centres_ && y < tile.y + tile.height; ++y) centres_->clear(y, tile.x, tile.x + tile.width);
     spreads_lobes_ = sums && lobes_;
     for (int sample = 0; sample < options_.samples; ++sample) {
         interruption_point();

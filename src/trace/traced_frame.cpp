@@ -15,6 +15,7 @@
 #include "shading/lobe_rays.h"
 #include "trace/blur.h"
 #include "trace/environment_lighting.h"
+#include "trace/frame_scratch.h"
 #include "trace/indirect_light.h"
 #include "trace/lobe_filter.h"
 #include "trace/refinement.h"
@@ -234,11 +235,14 @@ float white_of(const scene::SceneState& state, const ray::RayScene& rays, const 
 
 // Takes further samples where those at the pixels' centres differ, and filters all of them.
 // @param blur  optional: its touched pixels are left out, and it keeps the samples until they are there
-void take_further_samples(const shading::CentreSamples& centres, const LobeImage* lobes, const TracedOptions& options,
-                          Pass& pass, Tasks& tasks, shading::FrameBuffers& out, Blur* blur)
+void take_further_samples(FrameScratch& scratch, const LobeImage* lobes, const TracedOptions& options, Pass& pass,
+                          Tasks& tasks, shading::FrameBuffers& out, Blur* blur)
 {
     const float exposure = exposure_of(out, options);
-    image::SampleSums sums(centres.size(), options.tile, channels_of(out, options), k_white / exposure);
+    const shading::CentreSamples& centres = scratch.centres;
+    image::SampleSums& sums = scratch.sums;
+    sums.begin(centres.size(), options.tile, channels_of(out, options), k_white / exposure);
+    tasks.for_each(pass.tiles(), [&](std::size_t tile, int) { sums.clear(tile); });
     Refinement refinement{centres, out, averaged_layers(std::as_const(out), options), lobes, options.refine, {},
                           {},      sums};
     refinement.options.exposure = exposure;
@@ -258,7 +262,8 @@ void take_further_samples(const shading::CentreSamples& centres, const LobeImage
     for (int round = 0; round < RefinedPixels::k_rounds; ++round) {
         report_progress("refining", static_cast<double>(round) / RefinedPixels::k_rounds);
         tasks.for_each(pass.tiles(), [&](std::size_t index, int worker) {
-            pass.tracer(worker).refine(pass.tile(index), refinement, pixels);
+            const Tile tile = pass.tile(index);
+            if (pixels.any_selected(tile)) pass.tracer(worker).refine(tile, refinement, pixels);
         });
         if (!pixels.select_next(tasks)) break;
     }
@@ -316,10 +321,13 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
 
     std::optional<LobeImage> lobes;
     if (!options.random_lobes && has_lobes(state.scene())) lobes.emplace(size, options.tile);
-    std::optional<shading::CentreSamples> centres;
-    if (options.adaptive || (blur && !filters)) centres.emplace(size);
+    FrameScratch own;
+    FrameScratch& scratch = techniques.scratch ? *techniques.scratch : own;
     pass.lobes = lobes ? &*lobes : nullptr;
-    pass.centres = centres ? &*centres : nullptr;
+    if (options.adaptive || (blur && !filters)) {
+        scratch.centres.begin(size);
+        pass.centres = &scratch.centres;
+    }
 
     // Trace the tiles.
     std::optional<image::SampleSums> sums;
@@ -342,8 +350,8 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         resolve(*sums, pass.tiles(), tasks, out, options);
     if (filters) return pass.end();
 
-    if (blur) blur->select(*centres, state, view, techniques.sized, tasks);
-    if (options.adaptive) take_further_samples(*centres, pass.lobes, options, pass, tasks, out, blur);
+    if (blur) blur->select(scratch.centres, state, view, techniques.sized, tasks);
+    if (options.adaptive) take_further_samples(scratch, pass.lobes, options, pass, tasks, out, blur);
     if (blur && blur->any()) blur->begin(size, channels_of(out, options), exposure_of(out, options));
     return pass.end();
 }

@@ -32,6 +32,7 @@ namespace gnomon::trace {
 
 class Blur;
 class EnvironmentTechnique;
+struct FrameScratch;
 class IndirectLight;
 class ShadowTester;
 class SizedVisibility;
@@ -71,6 +72,7 @@ struct Techniques {
     SizedVisibility* sized_visibility = nullptr;   // of `sized`; null: a ray to each sample place
     /// The environment image, in place of the lights that approximate it. Null: these.
     EnvironmentTechnique* environment = nullptr;
+    FrameScratch* scratch = nullptr;   // null: memory of the frame's own
 };
 
 /// @param blur  optional: the frame is at its shutter's middle; finds the touched pixels, and prepares its rounds

@@ -13,6 +13,7 @@
 #include "host_scene.h"
 #include "ray/ray_scene.h"
 #include "scene/builtin/builtin.h"
+#include "trace/frame_scratch.h"
 #include "trace/traced_frame.h"
 
 namespace gnomon {
@@ -118,6 +119,20 @@ TEST_F(Room, IsNearTheImageOfManySamples)
 }
 
 // The reference computes the light of every further sample.
+// Frames use memory one after the other: nothing of a frame shows in the next, where that sees less, or is smaller.
+TEST_F(Room, NothingIsLeftOfTheFrameBefore)
+{
+    Tasks tasks(1);
+    trace::FrameScratch scratch;
+    shading::FrameBuffers out;
+    scene::View away = view_;
+    away.eye -= 3.0f * away.forward;
+    for (const scene::View& view : {view_, away, scene::make_view(state_, 0, {40, 70}), view_}) {
+        trace::trace_frame(state_, rays_, view, adaptive_, tasks, out, {.scratch = &scratch});
+        EXPECT_EQ(out.color.data, traced(state_, rays_, view, adaptive_).buffers.color.data);
+    }
+}
+
 TEST_F(Room, LightThatIsTakenIsNearLightThatIsComputed)
 {
     const Traced taken = traced(state_, rays_, view_, adaptive_);

@@ -178,5 +178,19 @@ TEST(PixelFilter, LightAboveWhiteCountsLess)
     EXPECT_EQ(image[3], 0.25f);   // coverage is not light
 }
 
+// An image in the memory of another, larger one, with more channels.
+TEST(PixelFilter, NothingIsLeftOfTheImageBefore)
+{
+    const SampleWeights wide = sample_weights(PixelFilter::gaussian, glm::vec2(0.3f, 0.6f));
+    const float values[5] = {3, 2, 1, 0.5f, 7};
+    SampleSums used({9, 7}, 4, 5, 1), fresh({6, 5}, 4, 3, k_infinity);
+    for (std::size_t tile = 0; tile < 6; ++tile) used.add(tile, 2, 2, wide, 1, values);
+    used.begin({6, 5}, 4, 3, k_infinity);
+    for (std::size_t tile = 0; tile < 4; ++tile) used.clear(tile);
+    for (SampleSums* sums : {&used, &fresh})
+        for (std::size_t tile = 0; tile < 4; ++tile) sums->add(tile, 1, 0, wide, 1, values);
+    EXPECT_EQ(resolved(used, {6, 5}, 4), resolved(fresh, {6, 5}, 4));
+}
+
 }   // namespace
 }   // namespace gnomon::image
