@@ -20,7 +20,7 @@ struct FrameTimes {
         indirect,            // one-bounce light at directly visible surfaces
         indirect_mirrored,   // the same at surfaces seen in mirrors and through glass
         proofs,              // certificates of visibility for later frames
-        image,               // exposure, layers
+        image,               // exposure, layers; where samples are added, and their filter
         k_stages
     };
     /// The names of the stages, as in the JSON of `gnomon render`.

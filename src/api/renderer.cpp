@@ -460,7 +460,7 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
         if (options.renderer == RenderMethod::trace) {
             result.times = engine.times();
             result.times.ms[FrameTimes::scene] = own.ms[FrameTimes::scene];
-            result.times.ms[FrameTimes::image] = own.ms[FrameTimes::image];
+            result.times.ms[FrameTimes::image] += own.ms[FrameTimes::image];
         }
     }
     host.values().end_frame();

@@ -155,14 +155,18 @@ void SampleSums::resolve(std::size_t tile, const std::function<void(int x, int y
     for (int y = row * side_; y < y_end; ++y)
         for (int x = column * side_; x < x_end; ++x) {
             // Add what this tile and those around it hold, row by row.
-            std::fill(sum.begin(), sum.end(), 0.0f);
             const bool inner =
                 x > column * side_ && y > row * side_ && x + 1 < (column + 1) * side_ && y + 1 < (row + 1) * side_;
-            const int reach = inner ? 0 : 1;
-            for (int r = row - reach; r <= row + reach; ++r)
-                for (int c = column - reach; c <= column + reach; ++c)
-                    if (const float* from = sums_of(c, r, x, y))
-                        for (std::size_t k = 0; k < stride_; ++k) sum[k] += from[k];
+            if (inner) {
+                const float* const from = sums_of(column, row, x, y);
+                for (std::size_t k = 0; k < stride_; ++k) sum[k] = 0.0f + from[k];
+            } else {
+                std::fill(sum.begin(), sum.end(), 0.0f);
+                for (int r = row - 1; r <= row + 1; ++r)
+                    for (int c = column - 1; c <= column + 1; ++c)
+                        if (const float* from = sums_of(c, r, x, y))
+                            for (std::size_t k = 0; k < stride_; ++k) sum[k] += from[k];
+            }
             const float color = sum[static_cast<std::size_t>(channels_)],
                         others = sum[static_cast<std::size_t>(channels_) + 1];
             for (int k = 0; k < channels_; ++k) {

@@ -104,9 +104,11 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
 
 void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out, image::SampleSums* sums, const Blur* left_out)
 {
+    Stopwatch whole(times_);
     begin_tile(tile);
     for (int y = tile.y; centres_ && y < tile.y + tile.height; ++y) centres_->clear(y, tile.x, tile.x + tile.width);
     spreads_lobes_ = sums && lobes_;
+    whole.end(FrameTimes::surfaces);
     for (int sample = 0; sample < options_.samples; ++sample) {
         interruption_point();
         Stopwatch watch(times_);
@@ -114,9 +116,11 @@ void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out, image::Samp
         shade_sample(sample, watch);
         if (sums) add_samples(sample, *sums, left_out);
     }
+    whole.restart();
     spreads_lobes_ = false;
     store_lobes();
     store(out);
+    whole.end(FrameTimes::surfaces);
 }
 
 // What a ray shows that leaves the scene.

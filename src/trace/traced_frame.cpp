@@ -238,6 +238,7 @@ float white_of(const scene::SceneState& state, const ray::RayScene& rays, const 
 void take_further_samples(FrameScratch& scratch, const LobeImage* lobes, const TracedOptions& options, Pass& pass,
                           Tasks& tasks, shading::FrameBuffers& out, Blur* blur)
 {
+    Stopwatch watch(out.times);   // the tiles' samples measure their own time
     const float exposure = exposure_of(out, options);
     const shading::CentreSamples& centres = scratch.centres;
     image::SampleSums& sums = scratch.sums;
@@ -259,13 +260,17 @@ void take_further_samples(FrameScratch& scratch, const LobeImage* lobes, const T
         for (int x = 0; x < centres.size().width; ++x)
             if (blur->touched(x, y)) pixels.leave_out(x, y);
     pixels.select(refinement, tasks);
+    watch.end(FrameTimes::image);
     for (int round = 0; round < RefinedPixels::k_rounds; ++round) {
         report_progress("refining", static_cast<double>(round) / RefinedPixels::k_rounds);
         tasks.for_each(pass.tiles(), [&](std::size_t index, int worker) {
             const Tile tile = pass.tile(index);
             if (pixels.any_selected(tile)) pass.tracer(worker).refine(tile, refinement, pixels);
         });
-        if (!pixels.select_next(tasks)) break;
+        watch.restart();
+        const bool goes_on = pixels.select_next(tasks);
+        watch.end(FrameTimes::image);
+        if (!goes_on) break;
     }
 
     // Add the other pixels' samples.
@@ -276,6 +281,7 @@ void take_further_samples(FrameScratch& scratch, const LobeImage* lobes, const T
         blur->keep(std::move(sums), refinement.weights[0], 1, options.tile);
     else
         resolve(sums, pass.tiles(), tasks, out, options);
+    watch.end(FrameTimes::image);
 }
 
 }   // namespace
