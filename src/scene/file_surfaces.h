@@ -51,6 +51,8 @@ bool show_invisible(Scene& scene);
 /// they are seen through from outside, and then let light in from there as well.
 /// @return  the number of parts
 std::size_t open_shells(Scene& scene);
+/// Whether open_shells() would find any.
+bool has_shells(const Scene& scene);
 
 /// Gives meshes without tangents some, where a material has a normal map or is brushed: the mean over the triangles
 /// around each vertex, as MikkTSpace has it, so that smooth surfaces have no facets. Meshes on which triangles with
@@ -61,7 +63,8 @@ std::size_t add_tangents(Scene& scene);
 
 /// Leaves out triangles where k_most_in_place of the same mesh, with the same corners and winding, are already:
 /// thousands in one place are a mistake or an attack, nobody sees more than one, and no tree of boxes tells them apart.
-/// Triangles without area and meshes that deform stay. A warning says how many. Cost: O(n log n) in the triangles of a mesh.
+/// Triangles without area and meshes that deform stay. A warning says how many. Cost: O(n log n) in the triangles of a
+/// mesh.
 /// @return  the number of triangles
 std::size_t leave_out_repeats(Scene& scene);
 inline constexpr std::size_t k_most_in_place = 64;

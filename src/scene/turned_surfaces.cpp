@@ -118,6 +118,29 @@ bool show_invisible(Scene& scene)
     return true;
 }
 
+namespace {
+
+// Whether a part of a mesh is one-sided, encloses a volume and is wound inwards.
+bool is_shell(const Scene& scene, const Mesh& mesh, const MeshPart& part)
+{
+    const Material& material = scene.materials[part.material];
+    if (!material.one_sided() || material.outline || material.catches_shadows) return false;
+    const Sides sides = sides_of(mesh, part);
+    return sides.volume < -k_least_volume * sides.area * std::sqrt(sides.area);
+}
+
+}   // namespace
+
+bool has_shells(const Scene& scene)
+{
+    for (MeshId id = 0; id < scene.meshes.size(); ++id) {
+        const Mesh& mesh = scene.meshes[id];
+        if (std::ranges::any_of(mesh.parts, [&](const MeshPart& part) { return is_shell(scene, mesh, part); }))
+            return true;
+    }
+    return false;
+}
+
 std::size_t open_shells(Scene& scene)
 {
     std::size_t opened = 0;
@@ -125,14 +148,11 @@ std::size_t open_shells(Scene& scene)
     for (MeshId id = 0; id < scene.meshes.size(); ++id)
         for (std::size_t i = 0; i < scene.meshes[id].parts.size(); ++i) {
             const MeshPart part = scene.meshes[id].parts[i];
-            const Material& material = scene.materials[part.material];
-            if (!material.one_sided() || material.outline || material.catches_shadows) continue;
-            const Sides sides = sides_of(scene.meshes[id], part);
-            if (!(sides.volume < -k_least_volume * sides.area * std::sqrt(sides.area))) continue;
+            if (!is_shell(scene, scene.meshes[id], part)) continue;
             const auto [known, fresh] =
                 copies.try_emplace(part.material, static_cast<MaterialId>(scene.materials.size()));
             if (fresh) {
-                Material copy = material;
+                Material copy = scene.materials[part.material];
                 copy.outline = true;
                 scene.materials.push_back(std::move(copy));
             }

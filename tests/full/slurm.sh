@@ -86,14 +86,14 @@ done
 say "$(slurmctld -V), nodes: $(sinfo -h -N -o '%N %t' | tr '\n' ';')"
 
 # The same video by one undisturbed run.
-options=(--frames 1-24 --size 320x180 --quiet)
-"$program" render builtin:kinetic -o "$scratch/whole.mp4" --threads 1 "${options[@]}"
+options=(--frames 1-24 --size 512x512 --quiet)
+"$program" render builtin:cornell -o "$scratch/whole.mp4" --threads 1 "${options[@]}"
 say "one run: $(sha256sum <"$scratch/whole.mp4" | cut -c1-16)"
 
 # Submit it.
 cd "$scratch/logs"
 export GNOMON=$program
-say "submitted: $("$examples/submit.sh" 6 builtin:kinetic "$scratch/video.mp4" "${options[@]}")"
+say "submitted: $("$examples/submit.sh" 6 builtin:cornell "$scratch/video.mp4" "${options[@]}")"
 
 # Kill the second node as soon as the chunk that it renders has its first frame.
 frames=$scratch/video.mp4.frames

@@ -195,12 +195,15 @@ TEST(SurfaceRepairs, ClosedShellsThatAreSeenThroughLetLightIn)
     Scene scene = scene_of({shell});
     scene.finish();
     EXPECT_EQ(turn_surfaces(scene), 0u);
+    EXPECT_TRUE(has_shells(scene));
     add_default_camera(scene);
     add_surroundings(scene);
     EXPECT_TRUE(scene.materials[scene.meshes[0].parts[0].material].outline);
+    EXPECT_FALSE(has_shells(scene));
     // From outside it is an ordinary object.
     Scene outside = scene_of({ball()});
     outside.finish();
+    EXPECT_FALSE(has_shells(outside));
     EXPECT_EQ(open_shells(outside), 0u);
 }
 

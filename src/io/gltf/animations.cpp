@@ -269,6 +269,19 @@ class Animations {
         return track;
     }
 
+    /// Refuses more keys of nodes than the size of the file allows, before any of them takes memory.
+    void expect(const std::map<Index, Moves>& moves)
+    {
+        std::uint64_t left = keys_left_;
+        for (const auto& [node, move] : moves)
+            for (const Path path : {Path::translation, Path::rotation, Path::scale, Path::visibility}) {
+                const Source& source = move.parts[static_cast<int>(path)];
+                if (!source.used()) continue;
+                take_from(left, sampler_of(source).input);
+                take_from(left, sampler_of(source).output);
+            }
+    }
+
  private:
     // Whether the fourth number of colours is ever another one than the material's own. Says so if that has no effect.
     bool alpha_changes(const Source& source, const Material& material)
@@ -292,14 +305,19 @@ class Animations {
     }
 
     // Bound the memory of all channels together, like that of geometry, because many channels may share one accessor.
-    std::vector<double> numbers(Index accessor)
+    std::uint64_t take_from(std::uint64_t& left, Index accessor)
     {
         const Accessor& a = model_.accessors[accessor];
         const std::uint64_t each = sizeof(double) * static_cast<std::uint64_t>(a.components());
-        if (a.count > keys_left_ / each)
+        if (a.count > left / each)
             context_.fail(at("/accessors", accessor), "animations have far more keys than the size of the file allows");
-        keys_left_ -= a.count * each;
-        context_.memory.take(a.count * each, textures_,
+        left -= a.count * each;
+        return a.count * each;
+    }
+    std::vector<double> numbers(Index accessor)
+    {
+        const Accessor& a = model_.accessors[accessor];
+        context_.memory.take(take_from(keys_left_, accessor), textures_,
                              {context_.file(), at("/accessors", accessor), "the keys of the animations"});
         std::vector<double> values;
         data_.read_double(a, values);
@@ -499,6 +517,7 @@ void build_animations(const Model& model, const Data& data, const PartIds& ids, 
         }
     }
 
+    animations.expect(moves);
     for (const auto& [index, move] : moves) {
         const Node& source = model.nodes[index];
         scene::Node& node = out.nodes[ids.nodes[index]];

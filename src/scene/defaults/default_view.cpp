@@ -65,10 +65,9 @@ TestImage image_of(const SceneState& state, const DefaultView& view)
     return test_image_of(state, view.camera, matrix_of(view.axes, view.eye));
 }
 
-// How much of what there is the square image shows.
-float rating(const SceneState& state, const DefaultView& view)
+// How much of what there is a square image shows.
+float rating(const TestImage& image)
 {
-    const TestImage image = image_of(state, view);
     return image.shown() > 0 ? image.shown_of_all() : -1;
 }
 
@@ -89,20 +88,27 @@ bool has_edges(const TestImage& image, float least)
     return static_cast<float>(edges) >= least * static_cast<float>(image.pixels.size());
 }
 
+struct Outside {
+    DefaultView view;
+    float shown = 0;   // the fraction of the pixels of its square image that show a surface
+};
+
 // The best of the directions from which objects are looked at.
-DefaultView best_outside(const SceneState& state, const Box3& box, const std::vector<char>& left_out,
-                         const DefaultViewOptions& options)
+Outside best_outside(const SceneState& state, const Box3& box, const std::vector<char>& left_out,
+                     const DefaultViewOptions& options)
 {
     const glm::dvec3 pleasant = pleasant_direction(box.size());
-    DefaultView best = view_from(state, pleasant, left_out);
-    float most = rating(state, best);
+    Outside best{view_from(state, pleasant, left_out)};
+    const TestImage first = image_of(state, best.view);
+    best.shown = first.shown();
+    float most = rating(first);
     if (most >= options.enough || box.empty()) return best;
     for (const glm::dvec3& turned : {glm::dvec3(-1, 1, 1), glm::dvec3(1, 1, -1), glm::dvec3(-1, 1, -1),
                                      glm::dvec3(1, -1, 1), glm::dvec3(1, -1, -1)}) {
         const DefaultView other = view_from(state, turned * pleasant, left_out);
-        const float shows = rating(state, other);
+        const TestImage image = image_of(state, other);
         // Take another direction only if it shows clearly more.
-        if (shows > most + 0.1f) most = shows, best = other;
+        if (const float shows = rating(image); shows > most + 0.1f) most = shows, best = {other, image.shown()};
         if (most >= options.enough) break;
     }
     return best;
@@ -165,19 +171,19 @@ DefaultView choose_view(const SceneState& state, const DefaultViewOptions& optio
     const Box3 box = state.scene().bounds(state.time());
     if (const auto room = believed_interior(state, options)) {
         DefaultView view = inside(*room, static_cast<double>(box.diagonal()));
-        if (rating(state, view) > 0) return view;
+        if (rating(image_of(state, view)) > 0) return view;
     }
     FramingOptions framing;
     framing.left_out = surrounding_objects(state);
-    DefaultView best = best_outside(state, framing.left_out.empty() ? box : frame_clip(state.scene(), framing).box,
-                                    framing.left_out, options);
-    if (!framing.left_out.empty() || box.empty() || image_of(state, best).shown() >= options.least_shown) return best;
+    const Outside best = best_outside(state, framing.left_out.empty() ? box : frame_clip(state.scene(), framing).box,
+                                      framing.left_out, options);
+    if (!framing.left_out.empty() || box.empty() || best.shown >= options.least_shown) return best.view;
 
     // Objects that are far apart are specks if all of them are in view.
     framing.left_out = all_but_largest_group(state);
-    if (framing.left_out.empty()) return best;
-    const DefaultView nearer = best_outside(state, frame_clip(state.scene(), framing).box, framing.left_out, options);
-    return image_of(state, nearer).shown() > options.least_shown ? nearer : best;
+    if (framing.left_out.empty()) return best.view;
+    const Outside nearer = best_outside(state, frame_clip(state.scene(), framing).box, framing.left_out, options);
+    return nearer.shown > options.least_shown ? nearer.view : best.view;
 }
 
 bool shows_something(const SceneState& state, const Camera& camera, float least)

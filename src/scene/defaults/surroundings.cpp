@@ -87,10 +87,10 @@ void add_studio(Scene& scene, const SurroundingsOptions& options, float scale)
 }
 
 // Whether the first camera stands above what a ground would lie below.
-bool looks_from_above(const Scene& scene, const SceneState& state)
+bool looks_from_above(const Scene& scene, const SceneState& state, const Framed& framed)
 {
     if (scene.cameras.empty()) return true;
-    return state.world(scene.cameras.front().node)[3].y > static_cast<double>(box_of_clip(scene).box.low.y);
+    return state.world(scene.cameras.front().node)[3].y > static_cast<double>(framed.box.low.y);
 }
 
 // Whether a scene is seen as a room that is open in front.
@@ -180,10 +180,10 @@ Reached reached_by_lights(const Scene& scene)
     return result;
 }
 
-void add_ground(Scene& scene, const char* name)
+namespace {
+
+void add_ground_below(Scene& scene, const char* name, const Framed& framed)
 {
-    if (scene.objects.empty()) return;
-    const Framed framed = box_of_clip(scene);
     const glm::dvec3 middle(framed.box.centre());
     const double radius = k_ground_radius * framed.size;
     Material material;
@@ -209,11 +209,25 @@ void add_ground(Scene& scene, const char* name)
     scene.finish();
 }
 
+}   // namespace
+
+void add_ground(Scene& scene, const char* name)
+{
+    if (!scene.objects.empty()) add_ground_below(scene, name, box_of_clip(scene));
+}
+
 void add_surroundings(Scene& scene, const SurroundingsOptions& options)
 {
     GNOMON_CHECK(!scene.child_begin.empty());   // after finish()
     const bool has_own = !scene.lights.empty();
     bool ground = options.ground.value_or(false);
+    std::optional<Framed> framed;   // of the clip, once it was needed
+    const auto ground_suits = [&](const SceneState& state) {
+        if (options.ground) return *options.ground;
+        if (scene.objects.empty()) return false;
+        framed = box_of_clip(scene);
+        return looks_from_above(scene, state, *framed);
+    };
     const Reached reached = reached_by_lights(scene);
     if (!(has_own && reached.share >= options.enough_reached)) {
         const char* const why =
@@ -224,12 +238,12 @@ void add_surroundings(Scene& scene, const SurroundingsOptions& options)
             add_light_of_place(scene, *room, why);
         } else if (is_landscape(state, options)) {
             add_sky_and_sun(scene, nullptr, why);
-            ground = options.ground.value_or(looks_from_above(scene, state));
+            ground = ground_suits(state);
         } else {
             // A closed shell that is seen through its one-sided walls would be black inside.
-            if (!room && share_shut_off(state) > options.shut_off && open_shells(scene) > 0)
+            if (!room && has_shells(scene) && share_shut_off(state) > options.shut_off && open_shells(scene) > 0)
                 scene.warnings.emplace_back("one-sided walls around what is in view cast no shadow");
-            ground = options.ground.value_or(!room && !scene.objects.empty() && looks_from_above(scene, state));
+            ground = options.ground || !room ? ground_suits(state) : false;
             add_studio(scene, options, 1);
             scene.warnings.push_back(fmt::format("{}: added a studio{}", why, ground ? " and a ground" : ""));
         }
@@ -240,7 +254,9 @@ void add_surroundings(Scene& scene, const SurroundingsOptions& options)
         add_studio(scene, options, options.fill * reached.bright / luminance(up));
         scene.warnings.emplace_back("no surroundings in the scene: added a dim studio around what its lights reach");
     }
-    if (ground) add_ground(scene, options.ground ? k_wanted_ground : k_default_ground);
+    if (ground && !scene.objects.empty())
+        add_ground_below(scene, options.ground ? k_wanted_ground : k_default_ground,
+                         framed ? *framed : box_of_clip(scene));
 }
 
 }   // namespace gnomon::scene
