@@ -23,9 +23,9 @@ struct CacheOptions {
     CutOptions cut;
     // Replace cut.error and cut.estimate for points on dynamic objects, because their cut is made again in every frame.
     float moving_error = 0.08f, moving_estimate = 0.05f;
-    // Near field (near_field/near_light.h): its radius in sizes of a light-tree leaf, and the spacing of far points, in
-    // radii, above which it is left out.
-    float near_radius = 2, near_spacing = 4;
+    // Near field (near_field/near_light.h): its radius, in mean widths of leaves of the light tree, and in widths of
+    // the leaf at the lit place if that is less; and the spacing of far points, in radii, above which it is left out.
+    float near_radius = 2, near_widths = 4, near_spacing = 4;
     float pixels_per_near = 2;           // spacing of near-field points,
     float pixels_per_near_cluster = 4;   // and of those that represent smaller triangles
     int near_rays = 64;
@@ -46,7 +46,7 @@ inline CacheOptions options_for_bounces(int bounces, bool emission)
     if (bounces == 1) return options;
     options.light_tree.leaves = 3u << 16;
     options.light_tree.directional = 2.0f / 3;
-    options.cut.error = 0.015f;
+    options.cut.error = 0.0125f;
     return options;
 }
 

@@ -236,25 +236,114 @@ TEST(NearLight, OfALitPlaneIsItsIntegral)
     const ray::RayScene rays(state);
     irradiance_cache::NearOptions options;
     options.radius = k_radius, options.rays = 1024;
-    const irradiance_cache::NearLight near(options);
+    Tasks tasks(2);
+    const irradiance_cache::LightTree tree(state, rays, {}, tasks);
+    irradiance_cache::NearOptions by_leaves = options;
+    by_leaves.radius = 10 * k_radius, by_leaves.tree = &tree;
+    by_leaves.widths = k_radius / tree.leaf_width(0, {0, 0, 0}, std::sqrt(0.5f));
     irradiance_cache::NearLight::Scratch scratch;
-    for (const float height : {0.3f, 0.8f, 1.5f}) {
-        const glm::vec3 down(0, -1, 0);
-        const irradiance_cache::NearReceiver receiver{{0, height, 0}, down, down};
-        irradiance_cache::NearAnswer answer;
-        near.gather(state, rays, &receiver, 1, ray::Against::static_only, scratch, &answer);
-        double share = 0;
-        constexpr int k_steps = 10000;
-        for (int i = 0; i < k_steps; ++i) {
-            const double cosine = std::sqrt(1 - (i + 0.5) / k_steps);
-            share += (1 - static_cast<double>(irradiance_cache::far_fraction(
-                              static_cast<float>(static_cast<double>(height) / cosine), k_radius))) /
-                     k_steps;
+    for (const bool radius_by_leaves : {false, true})
+        for (const float height : {0.3f, 0.8f, 1.5f}) {
+            const irradiance_cache::NearLight near(radius_by_leaves ? by_leaves : options);
+            const glm::vec3 down(0, -1, 0);
+            const irradiance_cache::NearReceiver receiver{{0, height, 0}, down, down};
+            irradiance_cache::NearAnswer answer;
+            near.gather(state, rays, &receiver, 1, ray::Against::static_only, scratch, &answer);
+            double share = 0;
+            constexpr int k_steps = 10000;
+            for (int i = 0; i < k_steps; ++i) {
+                const double cosine = std::sqrt(1 - (i + 0.5) / k_steps);
+                share += (1 - static_cast<double>(irradiance_cache::far_fraction(
+                                  static_cast<float>(static_cast<double>(height) / cosine), k_radius))) /
+                         k_steps;
+            }
+            const double truth = share * static_cast<double>(k_albedo) * 2 * std::sqrt(0.5);
+            EXPECT_NEAR(static_cast<double>(glm::dot(answer.light[0], down)) / truth, 1, 0.01) << height;
+            EXPECT_NEAR(answer.nearest, height, 0.05f * height);
         }
-        const double truth = share * static_cast<double>(k_albedo) * 2 * std::sqrt(0.5);
-        EXPECT_NEAR(static_cast<double>(glm::dot(answer.light[0], down)) / truth, 1, 0.01) << height;
-        EXPECT_NEAR(answer.nearest, height, 0.05f * height);
+}
+
+// What a light lights is near from as far as its leaf there is wide. For the near field that is found from the place,
+// for the tree from the leaf: all light is counted once only if both are the same.
+TEST(NearLight, KnowsHowWideALeafIsWhereItLies)
+{
+    SceneBuilder builder;
+    const MaterialId grey = builder.material(matte({0.5f, 0.5f, 0.5f}));
+    builder.instance(add_square(builder), grey, Transform::scaling(40, 1, 40));
+    builder.instance(
+        add_square(builder), grey,
+        Transform::translation(-3, 0, 0) * Transform::rotation({0, 0, 1}, -1) * Transform::scaling(9, 1, 9));
+    add_point_light(builder, {0.2f, 3, 0.1f}, 2);
+    Light spot{.color = {2, 2, 2}};
+    spot.type = LightType::spot;
+    spot.outer_angle = 0.6f;
+    builder.light(spot, Transform::look_at({2, 4, 0}, {-1, 0, 1}));
+    Light sun{.color = {2, 2, 2}};
+    sun.type = LightType::directional;
+    builder.light(sun, Transform::look_at({0, 0, 0}, {1, -1, 0.2f}));
+    add_camera(builder, {0, 2, 0.2f}, {0, 0, 0});
+    const auto scene = api::scene_of(builder.finish());
+    const scene::SceneState state(scene, 0);
+    const ray::RayScene rays(state);
+    Tasks tasks(2);
+    const irradiance_cache::LightTree tree(state, rays, {}, tasks);
+    // Each leaf is as wide as one of the three lights has it there.
+    int leaves[3] = {}, strange = 0;
+    for (irradiance_cache::NodeId id = 0; id < tree.first_patch(); ++id) {
+        const irradiance_cache::VirtualLightQuad& quad = tree.quad(id / 4);
+        const auto k = id % 4;
+        if (tree.children(id) != scene::none || !(quad.flux[k] > 0)) continue;
+        const glm::vec3 at(quad.x[k], quad.y[k], quad.z[k]), normal(quad.nx[k], quad.ny[k], quad.nz[k]);
+        bool found = false;
+        for (scene::LightId l = 0; l < 3; ++l) {
+            const float cosine = glm::dot(normal, scene::illuminate(scene->lights[l], state.light(l), at).to_light);
+            const float width = tree.leaf_width(l, at, cosine);
+            if (std::abs(width - tree.leaf_width(id)) > 1e-3f * width) continue;
+            ++leaves[l], found = true;
+        }
+        strange += !found;
     }
+    EXPECT_EQ(strange, 0);
+    for (const int count : leaves) EXPECT_GT(count, 1000);
+}
+
+// Light of small leaves before a wall, lit by a lantern that is close to them, in a sunlit land whose leaves of the
+// light tree are wide. The near field of the land reaches farther than rays find the leaves: if all light within its
+// radius were near, the wall would be grained.
+TEST(NearLight, OfSmallLeavesHasNoGrain)
+{
+    SceneBuilder builder;
+    const MeshId square = add_square(builder);
+    const MaterialId grey = builder.material(matte({0.5f, 0.5f, 0.5f}));
+    builder.instance(square, grey, Transform::translation(0, -1, 0) * Transform::scaling(300, 1, 300));
+    builder.instance(square, grey, Transform::rotation({1, 0, 0}, k_pi / 2) * Transform::scaling(8, 1, 8));
+    for (int i = 0; i < 60; ++i) {
+        const auto turn = [i](double by) { return i * by - std::floor(i * by); };
+        builder.instance(square, grey,
+                         Transform::translation(4 * turn(0.618034) - 2, 1.6 + turn(0.7548777), 0.3 + turn(0.5698403)) *
+                             Transform::rotation({1, 0, 0}, 1.2) * Transform::scaling(0.1, 1, 0.1));
+    }
+    add_point_light(builder, {0, 2, 0.2f}, 20);
+    Light sun{.color = {0.1f, 0.1f, 0.1f}};
+    sun.type = LightType::directional;
+    builder.light(sun, Transform::look_at({0, 0, 0}, {0, -1, 0.5f}));
+    add_camera(builder, {0, 0.7f, 2}, {0, 0.7f, 0});
+    RenderOptions options;
+    options.size = {64, 64}, options.layers = true, options.samples = 1;
+    const Frame frame = Renderer(options).render(builder.finish(), 1);
+    const auto layer = std::ranges::find(frame.layers, "indirect", &Layer::name);
+    const std::vector<float> values = layer->copy();
+    double grain = 0, all = 0;
+    for (int y = 8; y < 56; ++y)
+        for (int x = 8; x < 56; ++x) {
+            const auto at = [&](int i, int j) {
+                return static_cast<double>(values[static_cast<std::size_t>(3 * (64 * (y + j) + x + i))]);
+            };
+            grain += std::abs(at(0, 0) - (at(-1, 0) + at(1, 0) + at(0, -1) + at(0, 1)) / 4);
+            all += at(0, 0);
+        }
+    std::printf("grain %.5f of %.4f\n", grain / all, all / (48 * 48));
+    EXPECT_LT(grain, 0.004 * all);
 }
 
 }   // namespace

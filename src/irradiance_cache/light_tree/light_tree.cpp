@@ -2,6 +2,7 @@
 #include "irradiance_cache/light_tree/light_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "base/check.h"
@@ -126,8 +127,13 @@ void LightTree::build(Tasks& tasks)
     const std::size_t patch_nodes = patches_ ? patches_->tree().children.size() : 0;
     views_ = wanted_views();
     choose_sides(patch_nodes);
+    views_of_.assign(state_->scene().lights.size(), {0, 0});
     NodeId end = 0;
     for (View& view : views_) {
+        auto& [first_view, end_view] = views_of_[view.light];
+        const auto number = static_cast<std::uint32_t>(&view - views_.data());
+        if (end_view == 0) first_view = number;
+        end_view = number + 1;
         const int side = view.side;
         while ((1 << view.levels) < side) ++view.levels;
         view.first = end;
@@ -563,21 +569,6 @@ void LightTree::follow_dynamic(const scene::FrameChanges& changes)
         occlude_leaves(view, where);
         if (dirty_leaves_ != before) ++flux_version_;
     }
-}
-
-float LightTree::leaf_spacing() const
-{
-    std::vector<float> area;
-    for (const View& view : views_) {
-        if (!view.on) continue;
-        const NodeId leaves = first_of_level(view, view.levels);
-        for (NodeId id = leaves; id < leaves + static_cast<NodeId>(view.side * view.side); ++id)
-            if (quads_[id / 4].flux[id % 4] > 0) area.push_back(quads_[id / 4].area[id % 4]);
-    }
-    if (area.empty()) return 0;
-    const auto middle = area.begin() + static_cast<std::ptrdiff_t>(area.size() / 2);
-    std::nth_element(area.begin(), middle, area.end());
-    return std::sqrt(*middle);
 }
 
 std::size_t LightTree::bytes() const

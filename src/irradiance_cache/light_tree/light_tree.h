@@ -153,8 +153,13 @@ class LightTree {
     /// Counts the updates that changed flux.
     std::uint32_t flux_version() const { return flux_version_; }
 
-    /// The square root of the median area of lit leaves.
+    /// The geometric mean of the widths of lit leaves, weighted by their static flux; 0 without light maps.
     float leaf_spacing() const;
+    /// The width of the leaves around the place for which a node's visibility is tested. Not for patches.
+    float leaf_width(NodeId id) const;
+    /// The width that a light's leaf has where it lies on a surface; infinite where none of its views sees the place.
+    /// @param cosine  of the angle of incidence
+    float leaf_width(scene::LightId light, const glm::vec3& position, float cosine) const;
 
     std::size_t size() const { return children_.size(); }
     std::uint64_t dirty_leaves() const { return dirty_leaves_; }
@@ -235,9 +240,10 @@ class LightTree {
     light_views::Casters casters_;
     light_views::SceneBounds bounds_;
     std::vector<View> views_;
-    scene::SizedLights sized_;              // that light the patches
-    std::unique_ptr<PatchLight> patches_;   // null: they would have no light
-    NodeId patch_first_ = 0;                // all nodes, without patches
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> views_of_;   // by light: the first of its views, and their end
+    scene::SizedLights sized_;                                        // that light the patches
+    std::unique_ptr<PatchLight> patches_;                             // null: they would have no light
+    NodeId patch_first_ = 0;                                          // all nodes, without patches
     std::vector<float> lit_areas_;
     Flux patch_difference_;
     bool patches_changed_ = false;   // in this frame

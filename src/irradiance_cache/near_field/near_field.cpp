@@ -18,7 +18,7 @@ void NearField::update(const LightTree& tree)
     constexpr float k_steps = 2;   // to twice the radius
     const float radius = std::exp2(std::round(k_steps * std::log2(wanted)) / k_steps);
     if (hints_ && radius == light_.options().radius) return;
-    light_ = NearLight({radius, options_.near_rays, surface_lights()});
+    light_ = NearLight({radius, options_.near_rays, surface_lights(), &tree, options_.near_widths});
     forget_hints();
     // The widest lattice level at this width is the widest of those where the near field applies, a power of two.
     fade_width_ = 2 * spacing_of(detail_of(options_.near_spacing * radius).level) / options_.widest;

@@ -44,7 +44,6 @@ void NearLight::light_surface(const scene::SceneState& state, const ray::RayScen
     const std::size_t i = met.ray;
     const glm::vec3 direction = scratch.rays.direction(i);
     const auto weight = static_cast<float>(k_pi) / static_cast<float>(directions_.size());
-    const float near = 1 - far_fraction(scratch.hits.t[i], options_.radius);
     const ray::ObjectGeometry& geometry = rays.geometry(scratch.hits.object[i]);
     const std::uint32_t triangle = scratch.hits.triangle[i];
     glm::vec3 p[3];
@@ -65,6 +64,9 @@ void NearLight::light_surface(const scene::SceneState& state, const ray::RayScen
         const scene::LightSample sample = scene::illuminate(light, at, position);
         const float cosine = glm::dot(normal, sample.to_light);
         if (!(cosine > 0) || sample.irradiance == glm::vec3(0)) continue;
+        const float width = options_.tree ? options_.tree->leaf_width(l, position, cosine) : k_infinity;
+        const float near = 1 - far_fraction(scratch.hits.t[i], options_.radius_at(width));
+        if (!(near > 0)) continue;
         if (exitance.x < 0) exitance = met.factor * lighting::exitance_per_irradiance(scene, geometry, triangle, u, v);
         if (exitance == glm::vec3(0)) break;
         if (light.type == scene::LightType::directional)

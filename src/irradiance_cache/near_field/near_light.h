@@ -5,13 +5,16 @@
 //
 // Short rays with a cosine distribution find those surfaces, and rays from there to the lights find how they are lit.
 // All points use the same directions around their normal, so neighbouring points differ only by what they see. The near
-// field fades out towards its radius; nodes of the light tree provide the rest (far_fraction()).
+// field fades out towards its radius; nodes of the light tree provide the rest (far_fraction()). Where leaves are
+// narrow the radius is less: they can tell surfaces apart from nearer by, and a few rays may miss small bright
+// surfaces.
 //
 // Cost: `rays` short rays per point, and one ray per light where they meet a lit surface. Only static surfaces are part
 // of the near field. Dynamic objects occlude it, and are light sources of their own (DynamicVirtualLight).
 
 #include <vector>
 
+#include "irradiance_cache/light_tree/light_tree.h"
 #include "ray/ray_scene.h"
 #include "ray/thin_hits.h"
 
@@ -26,9 +29,15 @@ inline float far_fraction(float distance, float radius)
 }
 
 struct NearOptions {
-    float radius = 0;   // scene units; 0: no near field
+    float radius = 0;   // scene units, at most; 0: no near field
     int rays = 64;
     bool surface_lights = true;   // lights that approximate emissive surfaces take part (Light::of_surface)
+    // Light that a place reflects is near up to so many widths of its light's leaf there. null: up to the radius.
+    const LightTree* tree = nullptr;
+    float widths = 0;
+
+    /// The radius for a place where a leaf is so wide.
+    float radius_at(float leaf_width) const { return tree ? std::min(radius, widths * leaf_width) : radius; }
 };
 
 /// Unit vectors around +z with a cosine distribution: a Fibonacci lattice on the unit disk, projected up.

@@ -47,7 +47,7 @@ void StaticVisibility::clear()
 void StaticVisibility::add(const CacheFrame& frame, CachePoint& point, std::span<const NodeId> cut,
                            std::span<const float> weight)
 {
-    const float radius = point.owner == k_no_owner ? frame.near_field.light().options().radius : 0;
+    const NearOptions* const near = point.owner == k_no_owner ? &frame.near_field.light().options() : nullptr;
     added_.push_back({&point, nodes_.size(), NearPatches::k_none});
     point.tint = glm::vec3(1);
     if (frame.lights.patch_light() && point.owner == k_no_owner) {
@@ -55,13 +55,13 @@ void StaticVisibility::add(const CacheFrame& frame, CachePoint& point, std::span
         added_.back().near = near_.divide(frame.lights, point, cut_, cut_weights_);
         cut = cut_, weight = cut_weights_;
     }
-    for (std::size_t k = 0; k < cut.size(); ++k) add_node(frame, point, cut[k], weight[k], radius);
+    for (std::size_t k = 0; k < cut.size(); ++k) add_node(frame, point, cut[k], weight[k], near);
 }
 
 // Queues a ray to a node.
-// @param radius  of the near field, which is that of light maps
+// @param near  the near field, which is that of light maps; null for points that have none
 void StaticVisibility::add_node(const CacheFrame& frame, const CachePoint& point, NodeId node, float weight,
-                                float radius)
+                                const NearOptions* near)
 {
     // The sum is irradiance for the point's own normal. For other normals it must stay bounded at grazing angles.
     constexpr float k_least_cosine = 0.1f;
@@ -71,7 +71,9 @@ void StaticVisibility::add_node(const CacheFrame& frame, const CachePoint& point
     const glm::vec3 to =
         facing_place(frame.lights, node, {point.origin(), point.normal, point.horizon}) - point.origin();
     const float distance = glm::length(to);
-    const float fraction = node < frame.lights.first_patch() ? far_fraction(distance, radius) : 1;
+    float fraction = 1;
+    if (near && node < frame.lights.first_patch())
+        fraction = far_fraction(distance, near->radius_at(frame.lights.leaf_width(node)));
     if (!(fraction > 0)) return;
     rays_.push(point.origin(), 0, to, frame.lights.ray_end());
     nodes_.push_back(node);

@@ -55,7 +55,7 @@ class StaticVisibility {
     void add_close_nodes(const CacheFrame& frame, Added& added) const;
     glm::vec3 facing_of_seen(const CacheFrame& frame, const CachePoint& point) const;
     void find_local();
-    void add_node(const CacheFrame& frame, const CachePoint& point, NodeId node, float weight, float radius);
+    void add_node(const CacheFrame& frame, const CachePoint& point, NodeId node, float weight, const NearOptions* near);
     static constexpr float k_close = 1.0f;   // spacings
     std::vector<Added> added_;
     NearPatches near_;
