@@ -195,8 +195,10 @@ TEST(View, RecordingEqualsTheRenderedVideo)
     EXPECT_EQ(width, 320);
     EXPECT_EQ(height, 240);
     ASSERT_GE(frames, 3);
-    const Outcome rendered = run({"render", "builtin:cornell", "--fps", "240", "--frames", fmt::format("1-{}", frames),
-                                  "--size", "320x240", "--samples", "1", "-o", folder / "rendered.mp4"});
+    // A window shows each frame by its own exposure.
+    const Outcome rendered =
+        run({"render", "builtin:cornell", "--fps", "240", "--frames", fmt::format("1-{}", frames), "--size", "320x240",
+             "--samples", "1", "--exposure", "auto-frame", "-o", folder / "rendered.mp4"});
     ASSERT_EQ(rendered.code, 0) << rendered.err;
     // The comment of a rendered video says what it was rendered from; that of a recording cannot.
     const auto stream_of = [&](const std::string& file) {
