@@ -54,6 +54,10 @@ def milliseconds(program, scenes, of, options):
     return statistics.median(times), min(times), max(times)
 
 
+def text(number):
+    return f"{number:,.0f}" if number >= 10 else f"{number:.2g}"
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", nargs="?", default="build/release/gnomon")
@@ -69,7 +73,7 @@ def main():
             continue
         cells = [milliseconds(arguments.program, arguments.scenes, of, options)
                  for options in (["--samples", "1", "--bounces", "1"], [])]
-        shown = " | ".join(f"{median:.4g} ({least:.4g}, {most:.4g})" for median, least, most in cells)
+        shown = " | ".join(f"{text(median)} ({text(least)}, {text(most)})" for median, least, most in cells)
         print(f"| {of['name']}, {of['size']}, frames {of['frames']} | {shown} |", flush=True)
 
 
