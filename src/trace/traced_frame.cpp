@@ -39,7 +39,10 @@ void resize(ImageF& image, Size size, int channels)
 void fit(shading::FrameBuffers& out, Size size, bool layers, bool estimate, bool alpha, std::size_t lights)
 {
     resize(out.color, size, 3);
-    if (alpha) resize(out.alpha, size, 1);
+    if (alpha)
+        resize(out.alpha, size, 1);
+    else
+        out.alpha = {};   // of a frame before
     if (estimate)
         for (ImageF* image : {&out.variance, &out.irradiance, &out.irradiance_variance}) resize(*image, size, 3);
     if (!layers) return;

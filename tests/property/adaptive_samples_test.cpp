@@ -127,10 +127,19 @@ TEST_F(Room, NothingIsLeftOfTheFrameBefore)
     shading::FrameBuffers out;
     scene::View away = view_;
     away.eye -= 3.0f * away.forward;
-    for (const scene::View& view : {view_, away, scene::make_view(state_, 0, {40, 70}), view_}) {
-        trace::trace_frame(state_, rays_, view, adaptive_, tasks, out, {.scratch = &scratch});
-        EXPECT_EQ(out.color.data, traced(state_, rays_, view, adaptive_).buffers.color.data);
-    }
+    for (const scene::View& view : {view_, away, scene::make_view(state_, 0, {40, 70}), view_})
+        for (const bool backdrop_apart : {false, true}) {
+            trace::TracedOptions options = adaptive_;
+            options.backdrop_apart = backdrop_apart;
+            const FrameCounters counters =
+                trace::trace_frame(state_, rays_, view, options, tasks, out, {.scratch = &scratch});
+            const Traced fresh = traced(state_, rays_, view, options);
+            EXPECT_EQ(out.color.data, fresh.buffers.color.data);
+            if (backdrop_apart) {
+                EXPECT_EQ(out.alpha.data, fresh.buffers.alpha.data);
+            }
+            EXPECT_EQ(counters.samples.pixels, fresh.counters.samples.pixels);
+        }
 }
 
 TEST_F(Room, LightThatIsTakenIsNearLightThatIsComputed)
