@@ -403,7 +403,7 @@ void prepare(const Material& source, const scene::MaterialTrack& track, scene::M
     if (!layers && !transmits) return;
     scene::MaterialLayers block = material.layers ? *material.layers : scene::MaterialLayers();
     block.thin_walled = !thick;
-    material.layers = std::make_shared<const scene::MaterialLayers>(std::move(block));
+    material.layers = std::make_shared<const scene::MaterialLayers>(block);
     // The class of a surface is the same at all times.
     if (transmits) track.apply(0, material);
 }
