@@ -21,9 +21,9 @@ CORNELL = "builtin:cornell"
 STILL = "builtin:spheres?objects=40&dynamic=0"
 
 
-def row(name, scene, frames, size, first, options=()):
+def row(name, scene, frames, size, first):
     """first: only the first frame counts; else all but the first two, of which the first is cold."""
-    return {"name": name, "scene": scene, "frames": frames, "size": size, "first": first, "options": list(options)}
+    return {"name": name, "scene": scene, "frames": frames, "size": size, "first": first}
 
 
 ROWS = [
@@ -45,7 +45,7 @@ def milliseconds(program, scenes, of, options):
     scene = of["scene"] if of["scene"].startswith("builtin:") else str(Path(scenes) / of["scene"])
     with tempfile.TemporaryDirectory() as folder:
         command = [program, "render", scene, "-o", f"{folder}/{{frame:04}}.png", "--frames", of["frames"], "--size",
-                   of["size"], "--json", *of["options"], *options]
+                   of["size"], "--json", *options]
         done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
     if done.returncode != 0:
         sys.exit(f"speed_table: {' '.join(command)}: {done.stderr.strip()}")

@@ -107,9 +107,7 @@ class CentreSamples {
     std::size_t bytes() const { return samples_.capacity() * sizeof(CentreSample); }
 
     /// Finds the pixels of some rows that need more samples.
-    /// @param begin, end  of the rows. The one above and the one below are compared with them, so that few rows at a
-    /// time
-    ///                    cost more
+    /// @param begin, end  of the rows; those beside them are read, too, so that few at a time cost more
     /// @param color       3 channels: the light of the samples
     /// @param more        out: by pixel of the rows, 1 or 0
     void find_more(int begin, int end, const ImageF& color, const RefineOptions& options,
