@@ -20,9 +20,14 @@ struct CacheOptions {
     float pixels_per_finer = 6;   // the same where those do not represent the pixel
     float pixels_per_own = 1;     // size of the part around the pixel itself, used where all other points are dark
     float pixels_per_mean = 2;    // spacing of the finest parts for points of which a mean is shown
-    CutOptions cut;
-    // Replace cut.error and cut.estimate for points on dynamic objects, because their cut is made again in every frame.
+    CutOptions cut;               // of lattice points
+    // Replace cut.error and cut.estimate for parts of static objects, which light a few pixels each,
+    float part_error = 0.04f, part_estimate = 0.03f;
+    // and for points on dynamic objects, because their cut is made again in every frame.
     float moving_error = 0.08f, moving_estimate = 0.05f;
+    // Nodes of a longer cut whose visibility is tested (light_tree/tested_nodes.h): of lattice points, and of parts.
+    // All of points on dynamic objects are.
+    std::uint32_t tested = 512, tested_of_part = 128;
     // Near field (near_field/near_light.h): its radius, in mean widths of leaves of the light tree, and in widths of
     // the leaf at the lit place if that is less; and the spacing of far points, in radii, above which it is left out.
     float near_radius = 2, near_widths = 4, near_spacing = 4;
@@ -46,7 +51,8 @@ inline CacheOptions options_for_bounces(int bounces, bool emission)
     if (bounces == 1) return options;
     options.light_tree.leaves = 3u << 16;
     options.light_tree.directional = 2.0f / 3;
-    options.cut.error = 0.0125f;
+    options.cut.error = 0.004f;
+    options.part_error = 0.0125f;
     return options;
 }
 

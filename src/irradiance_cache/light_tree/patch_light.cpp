@@ -102,14 +102,28 @@ PatchLight::PatchLight(const scene::SceneState& state, const ray::RayScene& rays
 void PatchLight::find_uneven()
 {
     constexpr float k_even = 0.98f;   // square of the length of the mean normal
-    uneven_.assign(tree_.patch.size(), 0);
+    constexpr float k_rounding = 1.0001f;
+    uneven_.assign(tree_.patch.size(), {});
     for (std::size_t n = uneven_.size(); n-- > 0;) {
         if (tree_.patch[n] != patches::k_no_patch) {
             const patches::Patch& patch = patches_.patches()[tree_.patch[n]];
-            if (glm::dot(patch.normal, patch.normal) < k_even) uneven_[n] = patch.radius;
+            if (glm::dot(patch.normal, patch.normal) < k_even)
+                uneven_[n] = {patch.position, k_rounding * k_uneven_reach * patch.radius};
         } else if (tree_.children[n] != scene::none) {
-            const auto below = uneven_.begin() + 4 * static_cast<std::ptrdiff_t>(tree_.children[n]);
-            uneven_[n] = *std::max_element(below, below + 4);
+            const std::span<const Reach> below(uneven_.data() + 4 * std::size_t{tree_.children[n]}, 4);
+            Box3 box;
+            for (const Reach& child : below) {
+                if (child.radius < 0) continue;
+                box.add(child.centre - glm::vec3(child.radius));
+                box.add(child.centre + glm::vec3(child.radius));
+            }
+            if (box.empty()) continue;
+            Reach& all = uneven_[n];
+            all.centre = box.centre();
+            for (const Reach& child : below)
+                if (child.radius >= 0)
+                    all.radius =
+                        std::max(all.radius, k_rounding * (glm::length(child.centre - all.centre) + child.radius));
         }
     }
 }

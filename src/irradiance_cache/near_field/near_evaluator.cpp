@@ -8,9 +8,10 @@
 
 namespace gnomon::irradiance_cache {
 
-// Gathers the near field of those near-field points that are wanted, some at a time, and stores the answers.
+// Gathers the near field of those near-field points that are wanted, or what dynamic objects change of it, some at a
+// time, and stores the answers.
 template <class Wanted, class Store>
-void NearEvaluator::gather(const CacheFrame& frame, std::span<CachePoint* const> claimed, ray::Against against,
+void NearEvaluator::gather(const CacheFrame& frame, std::span<CachePoint* const> claimed, bool change,
                            const Wanted& wanted, const Store& store, CacheCounters& counters)
 {
     constexpr std::size_t k_rays = 2048;
@@ -27,8 +28,12 @@ void NearEvaluator::gather(const CacheFrame& frame, std::span<CachePoint* const>
             receivers_.push_back({point.origin(), point.normal, point.horizon});
         }
         answers_.resize(points_.size());
-        frame.near_field.light().gather(*frame.state, *frame.rays, receivers_.data(), receivers_.size(), against,
-                                        scratch_, answers_.data());
+        const NearLight& light = frame.near_field.light();
+        if (change)
+            light.find_change(*frame.state, *frame.rays, frame.dynamic_bounds, receivers_.data(), receivers_.size(),
+                              scratch_, answers_.data());
+        else
+            light.gather(*frame.state, *frame.rays, receivers_.data(), receivers_.size(), scratch_, answers_.data());
         for (std::size_t k = 0; k < points_.size(); ++k) store(*points_[k], answers_[k]);
     }
     counters.rays += scratch_.cast;
@@ -41,7 +46,7 @@ void NearEvaluator::evaluate(const CacheFrame& frame, std::span<CachePoint* cons
     const std::uint32_t version = frame.lights.geometry_version();
     // Gather the near field of static geometry for new points.
     gather(
-        frame, claimed, ray::Against::static_only, [&](const CachePoint& point) { return point.version != version; },
+        frame, claimed, false, [&](const CachePoint& point) { return point.version != version; },
         [&](CachePoint& point, const NearAnswer& answer) {
             std::copy(answer.light, answer.light + 3, point.static_light);
             point.free[0] = answer.nearest;
@@ -50,16 +55,18 @@ void NearEvaluator::evaluate(const CacheFrame& frame, std::span<CachePoint* cons
             ++counters.near_points;
         },
         counters);
-    // Gather it again where a dynamic object may occlude it.
+    // Correct it where a dynamic object may occlude it.
     gather(
-        frame, claimed, ray::Against::everything,
+        frame, claimed, true,
         [&](CachePoint& point) {
             if (point.dynamic_version == frame.dynamic_version) return false;
             point.dynamic_version = frame.dynamic_version;
             std::copy(point.static_light, point.static_light + 3, point.light);
             return dynamic_may_occlude_near(frame, point);
         },
-        [&](CachePoint& point, const NearAnswer& answer) { std::copy(answer.light, answer.light + 3, point.light); },
+        [&](CachePoint& point, const NearAnswer& change) {
+            for (int colour = 0; colour < 3; ++colour) point.light[colour] += change.light[colour];
+        },
         counters);
 }
 

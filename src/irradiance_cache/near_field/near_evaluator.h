@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Evaluates near-field points: the near field of static geometry once, and again with dynamic objects in those frames
-// in which one may occlude it.
+// Evaluates near-field points: the near field of static geometry once, and what dynamic objects change of it in those
+// frames in which one may occlude it.
 
 #include <span>
 #include <vector>
@@ -19,8 +19,8 @@ class NearEvaluator {
 
  private:
     template <class Wanted, class Store>
-    void gather(const CacheFrame& frame, std::span<CachePoint* const> claimed, ray::Against against,
-                const Wanted& wanted, const Store& store, CacheCounters& counters);
+    void gather(const CacheFrame& frame, std::span<CachePoint* const> claimed, bool change, const Wanted& wanted,
+                const Store& store, CacheCounters& counters);
 
     std::vector<CachePoint*> points_;
     std::vector<NearReceiver> receivers_;

@@ -75,7 +75,7 @@ void NearLight::light_surface(const scene::SceneState& state, const ray::RayScen
             scratch.shadow_rays.push(from, 0, at.position - from, ray::k_shadow_ray_end);
         const glm::vec3 radiance = exitance * sample.irradiance * (cosine / static_cast<float>(k_pi));
         const float at_point = std::max(glm::dot(direction, met.normal), k_least_cosine);
-        scratch.lit.push_back({met.receiver, radiance * (near * weight), direction / at_point});
+        scratch.lit.push_back({met.receiver, radiance * (near * weight), direction / at_point, i});
     }
 }
 
@@ -102,8 +102,9 @@ void NearLight::light_behind(const scene::SceneState& state, const ray::RayScene
     }
 }
 
-void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
-                       std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const
+// Casts the short rays of some receivers, and queues a ray to each light that shines on a surface that they meet.
+void NearLight::find_lit(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
+                         std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const
 {
     const std::size_t n = directions_.size();
     const bool thins = rays.thins_light();
@@ -143,12 +144,18 @@ void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays
         }
     }
     light_behind(state, rays, receivers, against, scratch);
+}
+
+void NearLight::gather_against(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
+                               std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const
+{
+    find_lit(state, rays, receivers, count, against, scratch, answers);
     // Add the light that arrives.
     const std::size_t shadow_rays = scratch.shadow_rays.size();
     scratch.cast += shadow_rays;
     scratch.occluded.resize(shadow_rays + ray::k_packet_pad);
     rays.occluded(scratch.shadow_rays, 0, shadow_rays, scratch.occluded.data(), against);
-    if (thins) {
+    if (rays.thins_light()) {
         scratch.lit_passes.resize(shadow_rays);
         rays.let_through(scratch.shadow_rays, 0, shadow_rays, scratch.lit_passes.data(), against);
         for (std::size_t s = 0; s < shadow_rays; ++s) scratch.lit[s].light *= scratch.lit_passes[s];
@@ -158,6 +165,76 @@ void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays
         const Scratch::Lit& lit = scratch.lit[s];
         for (int colour = 0; colour < 3; ++colour)
             answers[lit.receiver].light[colour] += lit.light[colour] * lit.direction;
+    }
+}
+
+void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
+                       std::size_t count, Scratch& scratch, NearAnswer* answers) const
+{
+    gather_against(state, rays, receivers, count, ray::Against::static_only, scratch, answers);
+}
+
+// Chooses the lit surfaces whose light a dynamic object may occlude, on its way to them or on to their receiver.
+void NearLight::doubt(const MovingSpheres& spheres, Scratch& scratch)
+{
+    // Whether a sphere meets a way, which is that of a ray as far as `far`.
+    const auto meets = [](const Sphere& sphere, const glm::vec3& from, const glm::vec3& way, float far) {
+        const glm::vec3 at = sphere.centre - from;
+        const float square = glm::dot(way, way);
+        const float along = square > 0 ? std::clamp(glm::dot(at, way) / square, 0.0f, far) : 0.0f;
+        const glm::vec3 off = at - along * way;
+        return glm::dot(off, off) <= sphere.radius * sphere.radius;
+    };
+    scratch.doubted.clear();
+    scratch.to_lights.clear();
+    scratch.to_points.clear();
+    for (std::uint32_t s = 0; s < scratch.lit.size(); ++s) {
+        const std::size_t i = scratch.lit[s].ray;
+        const glm::vec3 point = scratch.rays.origin(i), short_way = scratch.rays.direction(i);
+        const glm::vec3 surface = scratch.shadow_rays.origin(s), way = scratch.shadow_rays.direction(s);
+        const float distance = scratch.hits.t[i], far = scratch.shadow_rays.tfar[s];
+        const auto may_occlude = [&](const Sphere& sphere) {
+            return meets(sphere, surface, way, far) || meets(sphere, point, short_way, distance);
+        };
+        if (!spheres.any(may_occlude, [](const Sphere&) { return true; })) continue;
+        scratch.doubted.push_back(s);
+        scratch.to_lights.push(surface, 0, way, far);
+        scratch.to_points.push(point, 0, short_way, distance);
+    }
+}
+
+void NearLight::find_change(const scene::SceneState& state, const ray::RayScene& rays, const MovingSpheres& spheres,
+                            const NearReceiver* receivers, std::size_t count, Scratch& scratch,
+                            NearAnswer* answers) const
+{
+    if (rays.thins_light()) {   // dynamic objects may let a part of it through
+        scratch.without.resize(count);
+        gather_against(state, rays, receivers, count, ray::Against::static_only, scratch, scratch.without.data());
+        gather_against(state, rays, receivers, count, ray::Against::everything, scratch, answers);
+        for (std::size_t k = 0; k < count; ++k)
+            for (int colour = 0; colour < 3; ++colour) answers[k].light[colour] -= scratch.without[k].light[colour];
+        return;
+    }
+    find_lit(state, rays, receivers, count, ray::Against::static_only, scratch, answers);
+    doubt(spheres, scratch);
+    // Find which lit surfaces static geometry leaves lit, and which of them dynamic objects do not.
+    const std::size_t doubted = scratch.doubted.size();
+    const auto occluded = [&](ray::RayQueue& queue, ray::Against against, std::vector<std::uint8_t>& answer) {
+        queue.purpose = ray::RayClass::indirect;
+        answer.resize(doubted + ray::k_packet_pad);
+        rays.occluded(queue, 0, doubted, answer.data(), against);
+        scratch.cast += doubted;
+    };
+    std::vector<std::uint8_t>&hidden = scratch.occluded, &now = scratch.occluded_on;
+    occluded(scratch.to_lights, ray::Against::dynamic_only, now);
+    occluded(scratch.to_points, ray::Against::dynamic_only, hidden);
+    for (std::size_t d = 0; d < doubted; ++d) now[d] |= hidden[d];
+    occluded(scratch.to_lights, ray::Against::static_only, hidden);
+    for (std::size_t d = 0; d < doubted; ++d) {
+        if (hidden[d] || !now[d]) continue;
+        const Scratch::Lit& lit = scratch.lit[scratch.doubted[d]];
+        for (int colour = 0; colour < 3; ++colour)
+            answers[lit.receiver].light[colour] -= lit.light[colour] * lit.direction;
     }
 }
 

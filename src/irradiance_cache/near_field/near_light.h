@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "irradiance_cache/light_tree/light_tree.h"
+#include "irradiance_cache/light_tree/moving_spheres.h"
 #include "ray/ray_scene.h"
 #include "ray/thin_hits.h"
 
@@ -61,23 +62,38 @@ class NearLight {
         struct Lit {
             std::size_t receiver;
             glm::vec3 light, direction;
+            std::size_t ray;   // that met the surface
         };
         std::vector<Lit> lit;
         // Where surfaces thin light: rays that go on behind them, and the part of light that passes, by ray.
         ray::RaysBehind behind;
         std::vector<std::uint32_t> on, next_on;
+        // What dynamic objects may occlude: which lit surfaces, the ways of their light to them, and on to the points.
+        std::vector<std::uint32_t> doubted;
+        ray::RayQueue to_lights, to_points;
+        std::vector<std::uint8_t> occluded_on;
+        std::vector<NearAnswer> without;
         std::vector<glm::vec3> passes, lit_passes;
         std::uint64_t cast = 0;   // counts up
     };
     explicit NearLight(const NearOptions& options = {});
     const NearOptions& options() const { return options_; }
-    /// Computes the near field of some receivers. Thread-safe.
-    /// @param against  the geometry that rays meet: static_only or everything
+    /// Computes the near field of some receivers past static geometry. Thread-safe.
     void gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
-                std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const;
+                std::size_t count, Scratch& scratch, NearAnswer* answers) const;
+    /// Computes what dynamic objects change of it: minus the light that they occlude. Thread-safe.
+    /// Cost: the receivers' short rays; and rays to lights where a sphere is near enough to occlude.
+    /// @param spheres  around dynamic objects
+    void find_change(const scene::SceneState& state, const ray::RayScene& rays, const MovingSpheres& spheres,
+                     const NearReceiver* receivers, std::size_t count, Scratch& scratch, NearAnswer* answers) const;
 
  private:
     struct Met;
+    void find_lit(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
+                  std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const;
+    void gather_against(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
+                        std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const;
+    static void doubt(const MovingSpheres& spheres, Scratch& scratch);
     void light_surface(const scene::SceneState& state, const ray::RayScene& rays, const Met& met,
                        Scratch& scratch) const;
     void light_behind(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,

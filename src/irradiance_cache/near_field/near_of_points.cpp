@@ -47,7 +47,7 @@ void NearOfPoints::find_static(const CacheFrame& frame, std::span<CachePoint* co
         point->near_light = false;
         if (includes_near_field(frame, *point)) points_.push_back(point);
     }
-    gather(frame, ray::Against::static_only, counters, answers_);
+    gather(frame, false, counters);
 }
 
 void NearOfPoints::add_found() noexcept
@@ -66,27 +66,28 @@ void NearOfPoints::correct(const CacheFrame& frame, std::span<CachePoint* const>
     for (CachePoint* point : points)
         if (point->near_light && dynamic_may_occlude_near(frame, *point)) points_.push_back(point);
     if (points_.empty()) return;
-    gather(frame, ray::Against::static_only, counters, without_);
-    gather(frame, ray::Against::everything, counters, answers_);
+    gather(frame, true, counters);
     for (std::size_t k = 0; k < points_.size(); ++k)
-        for (int colour = 0; colour < 3; ++colour)
-            points_[k]->light[colour] += answers_[k].light[colour] - without_[k].light[colour];
+        for (int colour = 0; colour < 3; ++colour) points_[k]->light[colour] += answers_[k].light[colour];
 }
 
-// Gathers the near fields of points_, some at a time.
-void NearOfPoints::gather(const CacheFrame& frame, ray::Against against, CacheCounters& counters,
-                          std::vector<NearAnswer>& answers)
+// Gathers the near fields of points_, or what dynamic objects change of them, some at a time.
+void NearOfPoints::gather(const CacheFrame& frame, bool change, CacheCounters& counters)
 {
     constexpr std::size_t k_rays = 2048;
     const std::size_t most = std::max<std::size_t>(1, k_rays / static_cast<std::size_t>(frame.options.near_rays));
-    answers.resize(points_.size());
+    answers_.resize(points_.size());
+    const NearLight& light = frame.near_field.light();
     for (std::size_t next = 0; next < points_.size();) {
         const std::size_t count = std::min(most, points_.size() - next);
         receivers_.clear();
         for (std::size_t k = next; k < next + count; ++k)
             receivers_.push_back({points_[k]->origin(), points_[k]->normal, points_[k]->horizon});
-        frame.near_field.light().gather(*frame.state, *frame.rays, receivers_.data(), count, against, scratch_,
-                                        answers.data() + next);
+        if (change)
+            light.find_change(*frame.state, *frame.rays, frame.dynamic_bounds, receivers_.data(), count, scratch_,
+                              answers_.data() + next);
+        else
+            light.gather(*frame.state, *frame.rays, receivers_.data(), count, scratch_, answers_.data() + next);
         next += count;
     }
     counters.rays += scratch_.cast;

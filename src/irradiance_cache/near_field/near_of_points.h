@@ -24,17 +24,16 @@ class NearOfPoints {
     void find_static(const CacheFrame& frame, std::span<CachePoint* const> points, CacheCounters& counters);
     /// Adds it to the points' static light. Nothing fails.
     void add_found() noexcept;
-    /// Corrects the present light of points whose near field dynamic objects may occlude. Cost: for these points, their
-    /// near field twice; for others a test against the bounds of dynamic objects.
+    /// Corrects the present light of points whose near field dynamic objects may occlude. Cost: for others, a test
+    /// against the bounds of dynamic objects.
     void correct(const CacheFrame& frame, std::span<CachePoint* const> points, CacheCounters& counters);
 
  private:
-    void gather(const CacheFrame& frame, ray::Against against, CacheCounters& counters,
-                std::vector<NearAnswer>& answers);
+    void gather(const CacheFrame& frame, bool change, CacheCounters& counters);
 
     std::vector<CachePoint*> points_;
     std::vector<NearReceiver> receivers_;
-    std::vector<NearAnswer> answers_, without_;
+    std::vector<NearAnswer> answers_;
     NearLight::Scratch scratch_;
 };
 

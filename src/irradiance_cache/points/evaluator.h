@@ -28,11 +28,14 @@ struct EvaluationScratch {
     std::vector<ChangedNode> changed;
 };
 
-/// Points on dynamic objects are cut again in every frame, and less finely.
+/// Lattice points light many pixels, and are cut finely; points on dynamic objects are cut again in every frame.
 inline CutOptions cut_options(const CacheOptions& options, const CachePoint& point)
 {
     CutOptions cut = options.cut;
-    if (point.owner != k_no_owner) cut.error = options.moving_error, cut.estimate = options.moving_estimate;
+    if (point.owner != k_no_owner)
+        cut.error = options.moving_error, cut.estimate = options.moving_estimate;
+    else if (!is_lattice(point.key))
+        cut.error = options.part_error, cut.estimate = options.part_estimate;
     return cut;
 }
 

@@ -69,7 +69,8 @@ class NearPatches {
     void add_missed(const LightTree& tree, const glm::vec3& origin, std::span<const NodeId> cut, float& near,
                     float& all, float& reach);
 
-    static constexpr float k_width = 0.5f;    // radius over distance from which on a patch is near
+    static constexpr float k_width =
+        1 / PatchLight::k_uneven_reach;       // radius over distance from which on a patch is near
     static constexpr float k_least = 0.03f;   // fraction of a point's light, visibility ignored, that they must bring
     struct Met {
         patches::PatchId patch;

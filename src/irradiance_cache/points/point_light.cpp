@@ -55,6 +55,11 @@ void StaticVisibility::add(const CacheFrame& frame, CachePoint& point, std::span
         added_.back().near = near_.divide(frame.lights, point, cut_, cut_weights_);
         cut = cut_, weight = cut_weights_;
     }
+    if (point.owner == k_no_owner) {
+        const std::uint32_t most = is_lattice(point.key) ? frame.options.tested : frame.options.tested_of_part;
+        tested_.choose(frame.lights, {point.origin(), point.normal, point.horizon}, cut, weight, most);
+        cut = tested_.nodes(), weight = tested_.weights();
+    }
     for (std::size_t k = 0; k < cut.size(); ++k) add_node(frame, point, cut[k], weight[k], near);
 }
 

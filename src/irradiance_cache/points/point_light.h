@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "irradiance_cache/cache_frame.h"
+#include "irradiance_cache/light_tree/tested_nodes.h"
 #include "irradiance_cache/near_field/near_of_points.h"
 #include "irradiance_cache/points/cache_point.h"
 #include "irradiance_cache/points/near_patches.h"
@@ -32,9 +33,9 @@ class StaticVisibility {
     StaticVisibility() { rays_.purpose = ray::RayClass::indirect; }
     void clear();
     std::size_t rays() const { return rays_.size() + near_.rays(); }
-    /// Adds a point with its cut: the nodes, and what a unit of flux of each brings.
+    /// Adds a point with its cut: the nodes, and what a unit of flux of each brings. Of a long cut, some are tested.
     void add(const CacheFrame& frame, CachePoint& point, std::span<const NodeId> cut, std::span<const float> weight);
-    /// Traces a ray to each node, and calls store(point, nodes) in order, where `nodes` are those that are visible.
+    /// Traces a ray to each of them, and calls store(point, nodes) in order, where `nodes` are those that are visible.
     /// Then adds the static light that no node stands for.
     template <class Store>
     void trace_nodes(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters,
@@ -63,6 +64,7 @@ class StaticVisibility {
     std::vector<CachePoint*> points_;
     std::vector<NodeId> cut_;   // of one point
     std::vector<float> cut_weights_;
+    TestedNodes tested_;
     ray::RayQueue rays_;
     std::vector<NodeId> nodes_;    // by ray
     std::vector<float> weights_;   // by ray
