@@ -30,7 +30,7 @@ struct CacheOptions {
     std::uint32_t tested = 512, tested_of_part = 128;
     // Near field (near_field/near_light.h): its radius, in mean widths of leaves of the light tree, and in widths of
     // the leaf at the lit place if that is less; and the spacing of far points, in radii, above which it is left out.
-    float near_radius = 2, near_widths = 4, near_spacing = 4;
+    float near_radius = 2.8f, near_widths = 4, near_spacing = 4;
     float pixels_per_near = 2;           // spacing of near-field points,
     float pixels_per_near_cluster = 4;   // and of those that represent smaller triangles
     int near_rays = 64;

@@ -86,6 +86,24 @@ TEST(IrradianceCache, NearFieldPreservesTotalLight)
     EXPECT_NEAR(parted / all, 1, 0.03);
 }
 
+// Light is interpolated between near-field points: along the corner of two walls it is even.
+TEST(IrradianceCache, NearFieldHasNoFacets)
+{
+    constexpr int k_size = 128;
+    const std::vector<float> light = indirect_of("cornell", {8}, 2, k_size, with_near_field());
+    double uneven = 0, all = 0;
+    for (int y = 26; y < 60; ++y)
+        for (int x = 21; x < 24; ++x) {   // of the back wall, beside the left one
+            const auto at = [&](int i) {
+                return static_cast<double>(light[static_cast<std::size_t>(3 * (k_size * (y + i) + x))]);
+            };
+            uneven += std::abs(at(0) - (at(-1) + at(1)) / 2);
+            all += at(0);
+        }
+    std::printf("%.5f of %.4f\n", uneven / all, all / (34 * 3));
+    EXPECT_LT(uneven, 0.005 * all);
+}
+
 // Points of which a mean is shown share cache points also where those that lie far apart are hidden or dark.
 TEST(IrradianceCache, PointsOfAMeanOnSmallTrianglesShareCachePoints)
 {

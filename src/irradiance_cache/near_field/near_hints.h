@@ -3,7 +3,7 @@
 // Hints of where the near field (near_light.h) is needed: which places on static surfaces have others close by. In most
 // images these are a few per cent of the pixels.
 //
-// Every static triangle is divided into cells of about the near radius. A few short rays, spread over a side of a cell,
+// Every static triangle is divided into cells of about the near radius. Short rays, spread over a side of a cell,
 // decide once whether anything is close to it. The answer is a function of the static geometry and the radius, so a
 // forgotten hint is found again as it was.
 //
@@ -23,11 +23,11 @@
 namespace gnomon::irradiance_cache {
 
 struct NearHintOptions {
-    float radius = 0;                // scene units
-    float cell = 3;                  // radii: size of a cell
-    int most_cells = 128;            // at most, along a triangle's longest side
-    int rays = 16;                   // per cell and side
-    float reach = 1.5f;              // radii: their length; a hint too many costs less than a surface that is missed
+    float radius = 0;       // scene units
+    float cell = 3;         // radii: size of a cell
+    int most_cells = 128;   // at most, along a triangle's longest side
+    int rays = 32;          // per cell and side: a cell that they call free although it is not ends light abruptly
+    float reach = 1.5f;     // radii: their length; a hint too many costs less than a surface that is missed
     std::size_t memory = 4u << 20;   // bytes; beyond that, cells unused for two such amounts are forgotten
 };
 

@@ -28,8 +28,7 @@ bool NearFieldStep::select(const CacheFrame& frame, std::span<const IndirectPoin
     for (const NearPixel& pixel : pixels_) {
         const IndirectPoint& point = points[pixel.point];
         const float weight = (work.near_weight[pixel.point] - k_least_weight) / (1 - k_least_weight);
-        const PartWeights parts = select_parts(frame, point, frame.options.pixels_per_near * point.width,
-                                               frame.options.pixels_per_near_cluster * point.width);
+        const PartWeights parts = select_near_parts(frame, point);
         for (int i = 0; i < parts.count; ++i)
             selected_.push_back({pixel.point, weight * parts.weight[i], parts.key[i], nullptr});
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/micro_triangles.h"
 #include "irradiance_cache/points/slices.h"
 
 namespace gnomon::irradiance_cache {
@@ -29,6 +30,40 @@ void add_own_parts(const CacheFrame& frame, PartWeights& parts, const IndirectPo
     const float finer = frame.state->is_dynamic(point.object) ? 1.0f : frame.fade_in(detail.fraction);
     parts.add(part_key(triangle, front, detail.level, point.u, point.v), finer);
     if (finer < 1) parts.add(part_key(triangle, front, detail.level - 1, point.u, point.v), 1 - finer);
+}
+
+// Adds the parts of a level of a triangle between which a point lies, with so much weight in all. Those are the lower
+// micro-triangles alone: their centres are the vertices of a regular grid, a third of a cell away from the triangle's
+// sides.
+// @param triangle  among all of the scene
+void add_parts_around(PartWeights& parts, std::uint32_t triangle, bool front, std::uint32_t level, float u, float v,
+                      float weight)
+{
+    const auto n = static_cast<std::int32_t>(1u << level);
+    const auto add = [&](std::int32_t i, std::int32_t j, float w) {
+        const MicroTriangle lower{static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j), 0};
+        parts.add(key_of({triangle, front, level, micro_index(lower, level)}), weight * w);
+    };
+    // Where the grid has no vertex, beyond the sides, take those that are closest.
+    const auto add_vertex = [&](std::int32_t i, std::int32_t j, float w) {
+        i = std::clamp(i, 0, n - 1), j = std::clamp(j, 0, n - 1);
+        if (i + j < n) return add(i, j, w);
+        add(i - 1, j, 0.5f * w);
+        add(i, j - 1, 0.5f * w);
+    };
+    const float x = std::clamp(u, 0.0f, 1.0f) * static_cast<float>(n) - 1 / 3.0f;
+    const float y = std::clamp(v, 0.0f, 1.0f) * static_cast<float>(n) - 1 / 3.0f;
+    const auto i = static_cast<std::int32_t>(std::floor(x)), j = static_cast<std::int32_t>(std::floor(y));
+    const float fx = x - std::floor(x), fy = y - std::floor(y);
+    if (fx + fy <= 1) {
+        add_vertex(i, j, 1 - fx - fy);
+        add_vertex(i + 1, j, fx);
+        add_vertex(i, j + 1, fy);
+    } else {
+        add_vertex(i + 1, j + 1, fx + fy - 1);
+        add_vertex(i, j + 1, 1 - fx);
+        add_vertex(i + 1, j, 1 - fy);
+    }
 }
 
 // Adds slices of a point's own triangle of about `spacing`, with so much weight in all.
@@ -94,6 +129,23 @@ PartWeights select_parts(const CacheFrame& frame, const IndirectPoint& point, fl
     const float wider = moves ? 1.0f : frame.fade_in(detail.fraction);
     add_cluster(detail.level, together * wider);
     add_cluster(detail.level - 1, together * (1 - wider));
+    return parts;
+}
+
+PartWeights select_near_parts(const CacheFrame& frame, const IndirectPoint& point)
+{
+    const float spacing = frame.options.pixels_per_near * point.width;
+    const glm::vec3 cross = cross_of(frame.rays->geometry(point.object), point.triangle);
+    const float twice_area = glm::length(cross);
+    if (twice_area < spacing * spacing)
+        return select_parts(frame, point, spacing, frame.options.pixels_per_near_cluster * point.width);
+    const std::uint32_t triangle = frame.triangles.first(point.object) + point.triangle;
+    const bool front = glm::dot(cross, point.geometric_normal) > 0;
+    const PartDetail detail = part_detail(0.5f * twice_area, spacing);
+    const float finer = frame.fade_in(detail.fraction);
+    PartWeights parts;
+    add_parts_around(parts, triangle, front, detail.level, point.u, point.v, finer);
+    if (finer < 1) add_parts_around(parts, triangle, front, detail.level - 1, point.u, point.v, 1 - finer);
     return parts;
 }
 

@@ -10,10 +10,11 @@
 
 namespace gnomon::irradiance_cache {
 
-/// Up to five parts with their weights: of a small triangle, of two sizes of clusters, and of two sizes of slices.
+/// Up to eight parts with their weights: four around a point, of two sizes; or a small triangle, two sizes of clusters,
+/// and two sizes of slices.
 struct PartWeights {
-    AnchorKey key[5];
-    float weight[5];
+    AnchorKey key[8];
+    float weight[8];
     int count = 0;
     void add(AnchorKey k, float w);
 };
@@ -21,7 +22,9 @@ struct PartWeights {
 /// Parts of the point's triangle of about `spacing`, or those that represent the small triangles around it.
 /// @param cluster_spacing  between the triangles that represent smaller ones
 PartWeights select_parts(const CacheFrame& frame, const IndirectPoint& point, float spacing, float cluster_spacing);
-/// The same with the spacing for light from afar.
+/// The parts of near-field points: of a large triangle, those between which the point lies.
+PartWeights select_near_parts(const CacheFrame& frame, const IndirectPoint& point);
+/// select_parts() with the spacing for light from afar.
 PartWeights select_far_parts(const CacheFrame& frame, const IndirectPoint& point);
 /// Finer ones, for where those do not represent the pixel.
 PartWeights select_finer_parts(const CacheFrame& frame, const IndirectPoint& point);
