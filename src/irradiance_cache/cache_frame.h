@@ -38,6 +38,7 @@ struct CacheFrame {
     const LightTree& lights;
     const MovingSpheres& dynamic_bounds;   // spheres that enclose the dynamic objects
     const SkyLight& sky;
+    const SkyLight& sky_of_parts;   // from fewer directions, for parts of static objects
     const TriangleNumbers& triangles;
     TriangleClusters& clusters;
     NearField& near_field;

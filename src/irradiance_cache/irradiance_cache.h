@@ -100,7 +100,7 @@ class IrradianceCache {
 
     CacheOptions options_;
     LightTree lights_;
-    SkyLight sky_;
+    SkyLight sky_, sky_of_parts_;
     light_views::Casters casters_;
     TriangleNumbers triangles_;
     TriangleClusters clusters_;

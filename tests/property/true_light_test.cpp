@@ -263,6 +263,46 @@ TEST(NearLight, OfALitPlaneIsItsIntegral)
         }
 }
 
+// A plate that may move comes between points, a floor near them and the sun. What it changes is the difference of two
+// near fields: with it and without it.
+TEST(NearLight, ChangesByWhatADynamicObjectOccludes)
+{
+    SceneBuilder builder;
+    const MaterialId white = builder.material(matte({0.7f, 0.7f, 0.7f}));
+    const MeshId square = add_square(builder);
+    builder.instance(square, white, Transform::scaling(4, 1, 4));
+    builder.instance(square, white, Transform::translation(0.35f, 0.4f, 0) * Transform::scaling(0.3f, 1, 0.3f),
+                     {.mobility = Mobility::may_move});
+    Light sun{.color = {2, 2, 2}};
+    sun.type = LightType::directional;
+    builder.light(sun, Transform::look_at({0, 0, 0}, {1, -1, 0}));
+    add_camera(builder, {0, 2, 0.2f}, {0, 0, 0});
+    const auto scene = api::scene_of(builder.finish());
+    const scene::SceneState state(scene, 0);
+    const ray::RayScene rays(state);
+    irradiance_cache::NearOptions options;
+    options.radius = 2;
+    const irradiance_cache::NearLight near(options);
+    irradiance_cache::NearLight::Scratch scratch;
+    irradiance_cache::MovingSpheres around, elsewhere;
+    around.add({{{0.35f, 0.4f, 0}, 0.25f}});
+    elsewhere.add({{{0, 40, 40}, 0.25f}});
+    const glm::vec3 down(0, -1, 0);
+    // The first point sees the plate's shadow, the second the plate before a lit floor.
+    for (const glm::vec3 at : {glm::vec3(0.75f, 0.2f, 0), glm::vec3(0.35f, 0.6f, 0)}) {
+        const irradiance_cache::NearReceiver receiver{at, down, down};
+        irradiance_cache::NearAnswer without, with, change, none;
+        near.gather(state, rays, &receiver, 1, ray::Against::static_only, scratch, &without);
+        near.gather(state, rays, &receiver, 1, ray::Against::everything, scratch, &with);
+        near.find_change(state, rays, around, &receiver, 1, scratch, &change);
+        near.find_change(state, rays, elsewhere, &receiver, 1, scratch, &none);
+        for (int axis = 0; axis < 3; ++axis)
+            EXPECT_NEAR(change.light[0][axis], with.light[0][axis] - without.light[0][axis], 1e-5f) << at.x;
+        EXPECT_LT(glm::dot(change.light[0], down), -0.1f * glm::dot(without.light[0], down)) << at.x;
+        EXPECT_EQ(none.light[0], glm::vec3(0));
+    }
+}
+
 // What a light lights is near from as far as its leaf there is wide. For the near field that is found from the place,
 // for the tree from the leaf: all light is counted once only if both are the same.
 TEST(NearLight, KnowsHowWideALeafIsWhereItLies)

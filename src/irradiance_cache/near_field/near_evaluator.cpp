@@ -33,7 +33,8 @@ void NearEvaluator::gather(const CacheFrame& frame, std::span<CachePoint* const>
             light.find_change(*frame.state, *frame.rays, frame.dynamic_bounds, receivers_.data(), receivers_.size(),
                               scratch_, answers_.data());
         else
-            light.gather(*frame.state, *frame.rays, receivers_.data(), receivers_.size(), scratch_, answers_.data());
+            light.gather(*frame.state, *frame.rays, receivers_.data(), receivers_.size(), ray::Against::static_only,
+                         scratch_, answers_.data());
         for (std::size_t k = 0; k < points_.size(); ++k) store(*points_[k], answers_[k]);
     }
     counters.rays += scratch_.cast;

@@ -146,8 +146,8 @@ void NearLight::find_lit(const scene::SceneState& state, const ray::RayScene& ra
     light_behind(state, rays, receivers, against, scratch);
 }
 
-void NearLight::gather_against(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
-                               std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const
+void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
+                       std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const
 {
     find_lit(state, rays, receivers, count, against, scratch, answers);
     // Add the light that arrives.
@@ -166,12 +166,6 @@ void NearLight::gather_against(const scene::SceneState& state, const ray::RaySce
         for (int colour = 0; colour < 3; ++colour)
             answers[lit.receiver].light[colour] += lit.light[colour] * lit.direction;
     }
-}
-
-void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
-                       std::size_t count, Scratch& scratch, NearAnswer* answers) const
-{
-    gather_against(state, rays, receivers, count, ray::Against::static_only, scratch, answers);
 }
 
 // Chooses the lit surfaces whose light a dynamic object may occlude, on its way to them or on to their receiver.
@@ -209,8 +203,8 @@ void NearLight::find_change(const scene::SceneState& state, const ray::RayScene&
 {
     if (rays.thins_light()) {   // dynamic objects may let a part of it through
         scratch.without.resize(count);
-        gather_against(state, rays, receivers, count, ray::Against::static_only, scratch, scratch.without.data());
-        gather_against(state, rays, receivers, count, ray::Against::everything, scratch, answers);
+        gather(state, rays, receivers, count, ray::Against::static_only, scratch, scratch.without.data());
+        gather(state, rays, receivers, count, ray::Against::everything, scratch, answers);
         for (std::size_t k = 0; k < count; ++k)
             for (int colour = 0; colour < 3; ++colour) answers[k].light[colour] -= scratch.without[k].light[colour];
         return;

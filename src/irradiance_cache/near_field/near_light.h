@@ -78,9 +78,10 @@ class NearLight {
     };
     explicit NearLight(const NearOptions& options = {});
     const NearOptions& options() const { return options_; }
-    /// Computes the near field of some receivers past static geometry. Thread-safe.
+    /// Computes the near field of some receivers. Thread-safe.
+    /// @param against  the geometry that rays meet: static_only or everything
     void gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
-                std::size_t count, Scratch& scratch, NearAnswer* answers) const;
+                std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const;
     /// Computes what dynamic objects change of it: minus the light that they occlude. Thread-safe.
     /// Cost: the receivers' short rays; and rays to lights where a sphere is near enough to occlude.
     /// @param spheres  around dynamic objects
@@ -91,8 +92,6 @@ class NearLight {
     struct Met;
     void find_lit(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
                   std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const;
-    void gather_against(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
-                        std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const;
     static void doubt(const MovingSpheres& spheres, Scratch& scratch);
     void light_surface(const scene::SceneState& state, const ray::RayScene& rays, const Met& met,
                        Scratch& scratch) const;

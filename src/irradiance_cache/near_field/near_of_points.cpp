@@ -87,7 +87,8 @@ void NearOfPoints::gather(const CacheFrame& frame, bool change, CacheCounters& c
             light.find_change(*frame.state, *frame.rays, frame.dynamic_bounds, receivers_.data(), count, scratch_,
                               answers_.data() + next);
         else
-            light.gather(*frame.state, *frame.rays, receivers_.data(), count, scratch_, answers_.data() + next);
+            light.gather(*frame.state, *frame.rays, receivers_.data(), count, ray::Against::static_only, scratch_,
+                         answers_.data() + next);
         next += count;
     }
     counters.rays += scratch_.cast;

@@ -21,6 +21,12 @@ bool above(const CachePoint& point, const glm::vec3& direction)
     return glm::dot(direction, point.horizon) > 0 && glm::dot(direction, point.normal) > 0;
 }
 
+// The directions of the sky that light a point.
+const SkyLight& sky_over(const CacheFrame& frame, const CachePoint& point)
+{
+    return is_lattice(point.key) || point.owner != k_no_owner ? frame.sky : frame.sky_of_parts;
+}
+
 }   // namespace
 
 void OcclusionTester::test(const ray::RayQueue& queue, ray::Against against, std::vector<std::uint8_t>& occluded,
@@ -158,13 +164,14 @@ void StaticVisibility::find_local()
 
 void StaticVisibility::trace_sky(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters)
 {
-    const SkyLight& sky = frame.sky;
-    if (!sky.any()) return find_local();
+    if (!frame.sky.any()) return find_local();
     rays_.clear();
-    for (const Added& added : added_)
-        for (std::size_t i = 0; i < k_sky_directions; ++i)
+    for (const Added& added : added_) {
+        const SkyLight& sky = sky_over(frame, *added.point);
+        for (std::size_t i = 0; i < sky.directions(); ++i)
             if (above(*added.point, sky.direction(i)))
                 rays_.push(added.point->origin(), 0, sky.direction(i), k_infinity);
+    }
     tester.test(rays_, ray::Against::static_only, occluded_, counters);
     const bool thins = frame.rays->thins_light();
     passes_.resize(thins ? rays_.size() : 0);
@@ -173,7 +180,8 @@ void StaticVisibility::trace_sky(const CacheFrame& frame, const OcclusionTester&
     for (Added& added : added_) {
         CachePoint& point = *added.point;
         point.sky = {};
-        for (std::size_t i = 0; i < k_sky_directions; ++i) {
+        const SkyLight& sky = sky_over(frame, point);
+        for (std::size_t i = 0; i < sky.directions(); ++i) {
             if (!above(point, sky.direction(i))) continue;
             const std::size_t r = next++;
             if (occluded_[r]) continue;
@@ -203,7 +211,7 @@ void PresentLight::add_if_unoccluded(const CacheFrame& frame, CachePoint& point,
 
 void PresentLight::correct_sky(const CacheFrame& frame, CachePoint& point)
 {
-    const SkyLight& sky = frame.sky;
+    const SkyLight& sky = sky_over(frame, point);
     if (!sky.any()) return;
     SkyMask hidden;
     SkyMask near;

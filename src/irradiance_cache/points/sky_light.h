@@ -13,7 +13,7 @@
 
 namespace gnomon::irradiance_cache {
 
-inline constexpr std::size_t k_sky_directions = 512;
+inline constexpr std::size_t k_sky_directions = 512;   // at most
 
 /// A bit per direction.
 struct SkyMask {
@@ -48,8 +48,10 @@ struct SkyMask {
 class SkyLight {
  public:
     /// @param background  the scene's; it gives light if it is a sky
-    explicit SkyLight(const scene::Background& background);
+    /// @param directions  a multiple of 64, up to k_sky_directions
+    explicit SkyLight(const scene::Background& background, std::size_t directions = k_sky_directions);
     bool any() const { return any_; }
+    std::size_t directions() const { return directions_; }
     glm::vec3 direction(std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
     /// Radiance times solid angle, which is the irradiance on a surface that faces the direction.
     const glm::vec3& light(std::size_t i) const { return light_[i]; }
@@ -59,6 +61,7 @@ class SkyLight {
 
  private:
     bool any_ = false;
+    std::size_t directions_;
     alignas(64) std::array<float, k_sky_directions> x_{}, y_{}, z_{};
     std::array<glm::vec3, k_sky_directions> light_{};
 };
