@@ -8,8 +8,8 @@
 // order. Where the sum of their chances passes a whole number, a node is tested, and stands for those since the last
 // one: its weight is divided by its chance. Nodes whose chance is at least 1 stand for themselves.
 //
-// This is stratified sampling [Cook 1986, Section 3] with strata along the tree, and no random number: the same point
-// tests the same nodes in every frame.
+// This is systematic sampling with unequal probabilities [Madow 1949] along the tree, and without a random number: the
+// same point tests the same nodes in every frame.
 //
 // Cost: some twenty operations per node of the cut.
 
