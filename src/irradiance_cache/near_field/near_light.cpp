@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/morton.h"
 #include "lighting/diffuse.h"
 #include "ray/origin.h"
 
@@ -13,6 +14,12 @@ namespace {
 
 // The sum is irradiance for the point's own normal. For other normals it must stay bounded at grazing angles.
 constexpr float k_least_cosine = 0.1f;
+
+// The cell, of 16 across, in which a coordinate of a unit vector lies.
+std::uint32_t cell_of(float coordinate)
+{
+    return static_cast<std::uint32_t>(std::clamp(8 + 8 * coordinate, 0.0f, 15.0f));
+}
 
 }   // namespace
 
@@ -24,6 +31,9 @@ std::vector<glm::vec3> cosine_directions(int count)
         const double r = std::sqrt((i + 0.5) / count), phi = i * k_golden_angle;
         directions.emplace_back(r * std::cos(phi), r * std::sin(phi), std::sqrt(1 - r * r));
     }
+    std::stable_sort(directions.begin(), directions.end(), [](const glm::vec3& a, const glm::vec3& b) {
+        return morton_code(cell_of(a.x), cell_of(a.y)) < morton_code(cell_of(b.x), cell_of(b.y));
+    });
     return directions;
 }
 

@@ -41,7 +41,8 @@ struct NearOptions {
     float radius_at(float leaf_width) const { return tree ? std::min(radius, widths * leaf_width) : radius; }
 };
 
-/// Unit vectors around +z with a cosine distribution: a Fibonacci lattice on the unit disk, projected up.
+/// Unit vectors around +z with a cosine distribution: a Fibonacci lattice on the unit disk, projected up. They are
+/// along a Morton curve, so that rays in a packet stay together.
 std::vector<glm::vec3> cosine_directions(int count);
 
 struct NearReceiver {
