@@ -212,7 +212,7 @@ MUTATIONS = (
         "src/irradiance_cache/near_field/near_field.cpp", "options_.near_radius * tree.leaf_spacing()",
         "0.5f * options_.near_radius * tree.leaf_spacing()", "property:SmallShapes.Risers*"),
     row("tested-node-weight", "irradiance_cache", "a tested node does not stand for the others of its cut",
-        "src/irradiance_cache/light_tree/tested_nodes.cpp", "weights[k] / std::min(chance, 1.0f)", "weights[k]",
+        "src/irradiance_cache/light_tree/tested_nodes.cpp", "node.weight / std::min(chance, 1.0f)", "node.weight",
         "unit:TestedNodes*"),
     row("tested-dark-node", "irradiance_cache", "nodes that are dark now are not tested",
         "src/irradiance_cache/light_tree/tested_nodes.cpp", "k_by_form_factor = 0.25", "k_by_form_factor = 0.001",

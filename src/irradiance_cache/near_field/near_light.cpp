@@ -154,53 +154,6 @@ void NearLight::find_lit(const scene::SceneState& state, const ray::RayScene& ra
         }
     }
     light_behind(state, rays, receivers, against, scratch);
-    choose_tested(count, scratch);
-}
-
-// Chooses the lit surfaces and lights between which rays are cast, of receivers with many: by systematic sampling in
-// proportion to the light, as of nodes (light_tree/tested_nodes.h). All of them together bring the light of all.
-void NearLight::choose_tested(std::size_t count, Scratch& scratch) const
-{
-    // Sum each receiver's light.
-    scratch.choices.assign(count, {});
-    for (const Scratch::Lit& lit : scratch.lit) {
-        Scratch::Choice& choice = scratch.choices[lit.receiver];
-        choice.light += luminance(lit.light);
-        ++choice.count;
-    }
-    const auto most = static_cast<std::uint32_t>(options_.tested);
-    const bool any =
-        std::ranges::any_of(scratch.choices, [&](const Scratch::Choice& choice) { return choice.count > most; });
-    if (!any) return;
-    // Take one each time that the sum of chances passes a whole number.
-    scratch.to_lights.clear();
-    std::size_t kept = 0;
-    for (std::size_t s = 0; s < scratch.lit.size(); ++s) {
-        Scratch::Lit lit = scratch.lit[s];
-        Scratch::Choice& choice = scratch.choices[lit.receiver];
-        const float light = luminance(lit.light);
-        const float chance = choice.count > most ? static_cast<float>(most) * light / choice.light : 1;
-        if (chance < 1) {
-            choice.small += light;
-            choice.sum += chance;
-            if (choice.sum < 1) continue;
-            choice.sum -= 1;
-            ++choice.chosen;
-            lit.stands_for_others = true;
-        }
-        scratch.to_lights.push(scratch.shadow_rays.origin(s), 0, scratch.shadow_rays.direction(s),
-                               scratch.shadow_rays.tfar[s]);
-        scratch.lit[kept++] = lit;
-    }
-    scratch.lit.resize(kept);
-    std::swap(scratch.shadow_rays, scratch.to_lights);
-    scratch.shadow_rays.purpose = ray::RayClass::indirect;
-    // Those that stand for others bring as much light each.
-    for (Scratch::Lit& lit : scratch.lit) {
-        if (!lit.stands_for_others) continue;
-        const Scratch::Choice& choice = scratch.choices[lit.receiver];
-        lit.light *= choice.small / (static_cast<float>(choice.chosen) * luminance(lit.light));
-    }
 }
 
 void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,

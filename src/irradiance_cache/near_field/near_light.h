@@ -9,9 +9,8 @@
 // narrow the radius is less: they can tell surfaces apart from nearer by, and a few rays may miss small bright
 // surfaces.
 //
-// Cost: `rays` short rays per point, and up to `tested` from the lit surfaces that they meet to lights. Only static
-// surfaces are part of the near field. Dynamic objects occlude it, and are light sources of their own
-// (DynamicVirtualLight).
+// Cost: `rays` short rays per point, and one ray per light where they meet a lit surface. Only static surfaces are part
+// of the near field. Dynamic objects occlude it, and are light sources of their own (DynamicVirtualLight).
 
 #include <vector>
 
@@ -37,7 +36,6 @@ struct NearOptions {
     // Light that a place reflects is near up to so many widths of its light's leaf there. null: up to the radius.
     const LightTree* tree = nullptr;
     float widths = 0;
-    int tested = 48;   // lit surfaces and lights, of more, between which rays are cast
 
     /// The radius for a place where a leaf is so wide.
     float radius_at(float leaf_width) const { return tree ? std::min(radius, widths * leaf_width) : radius; }
@@ -66,17 +64,8 @@ class NearLight {
             std::size_t receiver;
             glm::vec3 light, direction;
             std::size_t ray;   // that met the surface
-            bool stands_for_others = false;
         };
         std::vector<Lit> lit;
-        struct Choice {
-            float light = 0;            // all, luminance
-            float small = 0;            // of those whose chance is below 1
-            float sum = 0.5f;           // of their chances
-            std::uint32_t count = 0;    // of all
-            std::uint32_t chosen = 0;   // of the small ones
-        };
-        std::vector<Choice> choices;   // by receiver
         // Where surfaces thin light: rays that go on behind them, and the part of light that passes, by ray.
         ray::RaysBehind behind;
         std::vector<std::uint32_t> on, next_on;
@@ -104,7 +93,6 @@ class NearLight {
     struct Met;
     void find_lit(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
                   std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const;
-    void choose_tested(std::size_t count, Scratch& scratch) const;
     static void doubt(const MovingSpheres& spheres, Scratch& scratch);
     void light_surface(const scene::SceneState& state, const ray::RayScene& rays, const Met& met,
                        Scratch& scratch) const;
