@@ -220,6 +220,16 @@ TEST(TrueLight, OfALightMapIsAllThatItsLightSends)
     EXPECT_NEAR(flux / truth, 1, 0.01);
 }
 
+// The scene of a builder under a sun at 45 degrees, seen from above.
+std::shared_ptr<const scene::Scene> under_a_sun(SceneBuilder& builder)
+{
+    Light sun{.color = {2, 2, 2}};
+    sun.type = LightType::directional;
+    builder.light(sun, Transform::look_at({0, 0, 0}, {1, -1, 0}));
+    add_camera(builder, {0, 2, 0.2f}, {0, 0, 0});
+    return api::scene_of(builder.finish());
+}
+
 // The near field of a point that hovers over a lit plane: the mean over a cosine distribution of what is not far.
 TEST(NearLight, OfALitPlaneIsItsIntegral)
 {
@@ -227,11 +237,7 @@ TEST(NearLight, OfALitPlaneIsItsIntegral)
     SceneBuilder builder;
     builder.instance(add_square(builder), builder.material(matte({k_albedo, k_albedo, k_albedo})),
                      Transform::scaling(40, 1, 40));
-    Light sun{.color = {2, 2, 2}};
-    sun.type = LightType::directional;
-    builder.light(sun, Transform::look_at({0, 0, 0}, {1, -1, 0}));
-    add_camera(builder, {0, 2, 0.2f}, {0, 0, 0});
-    const auto scene = api::scene_of(builder.finish());
+    const auto scene = under_a_sun(builder);
     const scene::SceneState state(scene, 0);
     const ray::RayScene rays(state);
     irradiance_cache::NearOptions options;
@@ -273,11 +279,7 @@ TEST(NearLight, ChangesByWhatADynamicObjectOccludes)
     builder.instance(square, white, Transform::scaling(4, 1, 4));
     builder.instance(square, white, Transform::translation(0.35f, 0.4f, 0) * Transform::scaling(0.3f, 1, 0.3f),
                      {.mobility = Mobility::may_move});
-    Light sun{.color = {2, 2, 2}};
-    sun.type = LightType::directional;
-    builder.light(sun, Transform::look_at({0, 0, 0}, {1, -1, 0}));
-    add_camera(builder, {0, 2, 0.2f}, {0, 0, 0});
-    const auto scene = api::scene_of(builder.finish());
+    const auto scene = under_a_sun(builder);
     const scene::SceneState state(scene, 0);
     const ray::RayScene rays(state);
     irradiance_cache::NearOptions options;
