@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <tuple>
+#include <utility>
 
 #include "base/check.h"
 #include "base/interruption.h"
@@ -139,13 +140,14 @@ void FrameEngine::forget()
     buffers_.reset();
     memory_ = {};
     buffers_ = memory_.take();
-    scratch_ = {};
+    scratch_.forget();
     turn_centre_.reset();
     shown_bounds_.forget();
     first_frame_ = true;
     advanced_ = false;
     has_frame_ = false;
     made_.reset();
+    traced_.reset();
     plan_ = {};
 }
 
@@ -295,6 +297,7 @@ void FrameEngine::fit_caches(const RenderOptions& options)
     // Discard what the plan lacks, or what other options made. An irradiance cache outlives the overlay of shadow
     // states.
     if (!plan_.raster) raster_.reset();
+    if (plan_.raster) scratch_.kept.forget();
     if (!plan_.certified) certified_.reset();
     if (plan_.raster || sized_.empty()) proven_.reset();
     environment_.fit(options, uses_environment());
@@ -403,6 +406,8 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
     }
     view_ = view;
     made_.reset();
+    const std::optional<Made> last_traced = std::exchange(traced_, std::nullopt);
+    continues_ = last_traced && is_same(*last_traced, view);
     // Keep the last image if it is compared with. Nobody else's image is overwritten.
     const std::shared_ptr<const shading::FrameBuffers> last =
         options_.report_changes && follows_frame_ && has_image_ ? buffers_ : nullptr;
@@ -424,7 +429,10 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
         check_memory("the caches");
         has_frame_ = true;
         times_ = buffers_->times;
-        if (!plan_.raster && has_image_ && !posed_ && complete()) made_ = Made{scene_, options_, view};
+        if (!plan_.raster && has_image_ && !posed_) {
+            traced_ = Made{scene_, options_, view};
+            if (complete()) made_ = traced_;
+        }
         guard.succeed();
         return counters;
     } catch (const InterruptedError&) {
@@ -447,7 +455,13 @@ bool FrameEngine::is_made(const scene::View& view, const RenderRequest& request)
     if (!made_ || !options_.keep_image || !follows_frame_ || plan_.raster || plan_.shown != Shown::light || nah_)
         return false;
     if (options_.motion || request.shutter || request.log || request.tasks) return false;
-    return made_->scene == scene_ && made_->view == view && made_->options == options_ && state_->changes().is_still();
+    return is_same(*made_, view) && state_->changes().is_still();
+}
+
+// Whether a frame is of the same scene, options and view as an earlier one, and the state advanced once since.
+bool FrameEngine::is_same(const Made& earlier, const scene::View& view) const
+{
+    return follows_frame_ && earlier.scene == scene_ && earlier.view == view && earlier.options == options_;
 }
 
 // @param whole  one of many images that are averaged
@@ -584,6 +598,13 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     traced.filters_shown = !nah_;   // which remembers what each image shows, so that none may precede the frame's
     traced.backdrop_apart = options_.background != BackgroundKind::environment && plan_.shown == Shown::light;
     traced.layers = options_.layers && plan_.shown == Shown::light;
+    // The published culling learns from each first hit.
+    traced.keeps = options_.keep_image && plan_.shown == Shown::light && !plan_.reference && !nah_;
+    traced.continues = continues_;
+    if (limit_.bytes() > 0) {
+        const std::size_t others = held_bytes() - scratch_.kept.bytes();
+        scratch_.kept.limit(limit_.bytes() > others ? (limit_.bytes() - others) / 2 : 0);
+    }
     if (in_scanline_order) traced.tile = 1;
     if (plan_.reference) {
         traced.random_lobes = true;   // a ray for four paths of a point
@@ -600,7 +621,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     // Where all pixels are blurred, many samples at the shutter's middle would be in vain.
     if (blur && blur->motion().everything)
         traced.samples = 1, traced.filter = image::chosen_filter(options_.filter, traced.adaptive);
-    if (!traced.adaptive && !blur) scratch_ = {};
+    if (!traced.adaptive && !blur) scratch_.forget_samples();
     FrameCounters counters = trace::trace_frame(*state_, *rays_, view, traced, tasks, *buffers_, techniques,
                                                 request.log, {}, blur ? &*blur : nullptr);
     if (blur && blur->any()) blur_traced(*blur, *request.shutter, traced, techniques, tasks, counters);

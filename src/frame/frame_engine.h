@@ -186,6 +186,12 @@ class FrameEngine {
     Tasks& tasks() { return tasks_; }
 
  private:
+    // What makes an image, but for the scene's state.
+    struct Made {
+        std::shared_ptr<const scene::Scene> scene;
+        RenderOptions options;
+        scene::View view;
+    };
     // The techniques that options come to for a scene.
     struct Plan {
         Shown shown = Shown::light;
@@ -204,6 +210,7 @@ class FrameEngine {
     void fit_caches(const RenderOptions& options);
     void fit_rasterizer(const RenderOptions& options);
     bool is_made(const scene::View& view, const RenderRequest& request) const;
+    bool is_same(const Made& earlier, const scene::View& view) const;
     FrameCounters render_raster(const scene::View& view, bool whole = false);
     bool uses_environment() const;
     void list_changes();
@@ -251,13 +258,9 @@ class FrameEngine {
     bool follows_frame_ = false;   // the last advance() started from a complete frame
     bool posed_ = false;           // the last frame moved through its shutter's times
     bool has_image_ = false;       // the last frame's image lies in buffers_ as it was rendered
-    // What made the image in buffers_, if a frame of the same may have it again.
-    struct Made {
-        std::shared_ptr<const scene::Scene> scene;
-        RenderOptions options;
-        scene::View view;
-    };
-    std::optional<Made> made_;
+    std::optional<Made> made_;     // what made the image in buffers_, if a frame of the same may have it again
+    std::optional<Made> traced_;   // the last frame, if the tiles that it left in scratch_ may be kept
+    bool continues_ = false;       // this frame is of the same scene, options and view
     FrameTimes times_;
     EngineReport report_;                               // of the last frame
     std::unique_ptr<scene::SceneState> state_before_;   // see move_previous()

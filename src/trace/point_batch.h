@@ -17,12 +17,12 @@
 
 namespace gnomon::trace {
 
-/// What a technique needs to know of a frame; all of it outlives the frame.
 inline float largest(const glm::vec3& v)
 {
     return std::max({v.x, v.y, v.z});
 }
 
+/// What a technique needs to know of a frame; all of it outlives the frame.
 struct FrameContext {
     const scene::SceneState& state;
     const ray::RayScene& rays;   // follows the state
@@ -46,6 +46,20 @@ struct Tile {
         return static_cast<std::size_t>(at.y) * static_cast<std::size_t>(image_width) + static_cast<std::size_t>(at.x);
     }
 };
+
+/// The tiles of an image are numbered row by row.
+/// @param columns  tiles in a row
+/// @param side     power of two
+inline Tile tile_at(std::size_t index, int columns, int side, Size size)
+{
+    Tile tile;
+    tile.side = side;
+    tile.x = static_cast<int>(index) % columns * side;
+    tile.y = static_cast<int>(index) / columns * side;
+    tile.width = std::min(side, size.width - tile.x);
+    tile.height = std::min(side, size.height - tile.y);
+    return tile;
+}
 
 /// What a path knows of the lobe (shading/lobe_rays.h) that it left, if any.
 struct LobePath {
@@ -114,11 +128,11 @@ struct PointBatch {
     }
 };
 
-/// The first hits of a tile, by ray.
 /// Takes radiance that a point reflects towards the viewer, throughput left out, and the part of it that comes from its
 /// lobes; the rest is proportional to its diffuse reflectance, but for sheen.
 using AddReflected = std::function<void(const TilePoint&, const glm::vec3& radiance, const glm::vec3& by_lobe)>;
 
+/// The first hits of a tile, by ray.
 struct PrimaryRays {
     const ray::RayQueue& rays;
     const ray::Hits& hits;

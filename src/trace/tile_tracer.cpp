@@ -132,6 +132,13 @@ glm::vec3 TileTracer::seen_of_background(const PathEnd& end, const glm::vec3& di
 // Traces the queued rays of pixels, and shades what they hit.
 void TileTracer::shade_sample(int sample, Stopwatch& watch)
 {
+    shade_first_hits(sample, watch);
+    shade_rest(sample, watch);
+}
+
+// Finds what the queued rays hit, with the light of lights without size.
+void TileTracer::shade_first_hits(int sample, Stopwatch& watch)
+{
     clear_points();
     trace_queue(primary_);
     watch.end(FrameTimes::rays);
@@ -140,6 +147,11 @@ void TileTracer::shade_sample(int sample, Stopwatch& watch)
     watch.end(FrameTimes::surfaces);
     add_lights(batch(true, sample), watch);
     add_suns(batch(true, sample), watch);
+}
+
+// Adds the other light to the first hits, and what they mirror and let through.
+void TileTracer::shade_rest(int sample, Stopwatch& watch)
+{
     if (interpolates(sample)) {
         shade_lattice(sample, watch);
         return;
@@ -148,6 +160,12 @@ void TileTracer::shade_sample(int sample, Stopwatch& watch)
     watch.end(FrameTimes::indirect);
 
     // Do the same for mirrored and refracted rays, one depth after the other, and for the rays of lobes.
+    follow_hits(sample, watch);
+}
+
+// Follows the rays that continue from the first hits.
+void TileTracer::follow_hits(int sample, Stopwatch& watch)
+{
     const bool notes = refinement_ || (centres_ && sample == 0 && !blur_);
     const std::vector<glm::vec3> without = notes ? color_ : std::vector<glm::vec3>();
     keep_lobes(sample);

@@ -10,6 +10,7 @@
 #include "trace/blur.h"
 #include "trace/environment_lighting.h"
 #include "trace/indirect_light.h"
+#include "trace/kept_tiles.h"
 #include "trace/lobe_filter.h"
 #include "trace/path_splits.h"
 #include "trace/refinement.h"
@@ -46,6 +47,8 @@ class TileTracer {
     /// @param left_out  optional: the sums are without the samples of its touched pixels
     void trace(const Tile& tile, shading::FrameBuffers& out, image::SampleSums* sums = nullptr,
                const Blur* left_out = nullptr);
+    /// The same for a tile of one sample a pixel that is kept, or to be kept.
+    void trace(const Tile& tile, shading::FrameBuffers& out, std::size_t index, KeptTiles& kept);
     /// Adds the samples of a tile's selected pixels, which trace() began, to sums: those at the centres, and further
     /// ones.
     void refine(const Tile& tile, const Refinement& refinement, RefinedPixels& pixels);
@@ -148,6 +151,13 @@ class TileTracer {
     void queue_primary(int sample);
     void queue_camera_ray(std::uint32_t pixel, const glm::vec2& at);
     void shade_sample(int sample, Stopwatch& watch);
+    void shade_first_hits(int sample, Stopwatch& watch);
+    void shade_rest(int sample, Stopwatch& watch);
+    void follow_hits(int sample, Stopwatch& watch);
+    // Of the trace() of a tile that is kept (kept_shading.cpp).
+    void keep_first_hits(KeptTile& kept) const;
+    void shade_kept(const KeptTile& kept, Stopwatch& watch);
+    void take_kept_points(const KeptTile& kept);
     void note_mirrored(std::span<const glm::vec3> without);
     void trace_queue(const PathQueue& queue);
     void shade_hits(const PathQueue& queue, bool primary, int sample, bool last_depth);
@@ -256,6 +266,12 @@ class TileTracer {
     std::vector<glm::vec3> highlights_;   // of the soft light, what lobes reflect directly; empty: is not asked for
     std::vector<TilePoint> followed_;     // points whose continuations are followed
     std::vector<char> chosen_;            // of the points from one on
+
+    // First hits of a tile that is kept. The points have the values of their last use but for those that are set.
+    std::vector<TilePoint> kept_points_;
+    std::vector<shadow_culling::ShadowPoint> kept_shadow_points_;
+    std::vector<glm::vec3> kept_normals_;
+    std::vector<char> kept_whole_;   // by point: it had all values
 
     // Lobes of primary hits.
     int rays_of_lobe_ = 0;   // for each sample; 0: rough surfaces reflect by mirror rays

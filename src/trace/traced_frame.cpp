@@ -51,17 +51,6 @@ void fit(shading::FrameBuffers& out, Size size, bool layers, bool estimate, bool
     resize(out.shadow, size, static_cast<int>(lights));
 }
 
-Tile tile_at(std::size_t index, int columns, int side, Size size)
-{
-    Tile tile;
-    tile.side = side;
-    tile.x = static_cast<int>(index) % columns * side;
-    tile.y = static_cast<int>(index) / columns * side;
-    tile.width = std::min(side, size.width - tile.x);
-    tile.height = std::min(side, size.height - tile.y);
-    return tile;
-}
-
 // Whether some surface may have a lobe that is reflected by rays (shading/lobe_rays.h).
 bool has_lobes(const scene::Scene& scene)
 {
@@ -111,6 +100,8 @@ class Pass {
                                                   centres, log_);
         return *tracer;
     }
+    /// Whether the light of first hits is that of lights whose changes kept tiles follow.
+    bool lights_alone() const { return !environment_ && !sized_.lights && !frame_.rays.thins_light(); }
     /// Sums what the threads counted, and lets the techniques learn from what their workers found.
     FrameCounters end();
 
@@ -338,13 +329,26 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         pass.centres = &scratch.centres;
     }
 
+    // Follow the tiles that keep their first hits.
+    KeptTiles* kept = nullptr;
+    if (options.keeps && options.samples == 1 && !filters && !blur && !options.layers && !options.backdrop_apart &&
+        !options.random_lobes && !log && pass.lights_alone()) {
+        kept = &scratch.kept;
+        kept->begin_frame(frame, pass.tiles(), options.tile, options.continues);
+    } else {
+        scratch.kept.forget();
+    }
+
     // Trace the tiles.
     std::optional<image::SampleSums> sums;
     if (filters) sums.emplace(size, options.tile, channels_of(out, options), white);
     std::atomic<std::size_t> done = 0;
     report_progress("tracing", 0);
     tasks.for_each(pass.tiles(), [&](std::size_t index, int worker) {
-        pass.tracer(worker).trace(pass.tile(index), out, filters ? &*sums : nullptr, filters ? blur : nullptr);
+        if (kept && kept->keeps())
+            pass.tracer(worker).trace(pass.tile(index), out, index, *kept);
+        else
+            pass.tracer(worker).trace(pass.tile(index), out, filters ? &*sums : nullptr, filters ? blur : nullptr);
         report_progress("tracing", static_cast<double>(++done) / static_cast<double>(pass.tiles()));
     });
 

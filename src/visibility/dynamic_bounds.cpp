@@ -143,9 +143,11 @@ void DynamicBounds::update(const scene::SceneState& state, const ray::RayScene& 
 {
     const scene::FrameChanges& changes = state.changes();
     ++updates_;
+    placed_.clear();
     const auto follow = [&](std::uint32_t m) {
         if (dynamic_[m].placed_at == updates_) return;
         dynamic_[m].placed_at = updates_;
+        placed_.push_back({m, dynamic_[m].world});
         place(dynamic_[m], state, rays);
     };
     by_group_.resize(state.scene().groups.size(), scene::none);

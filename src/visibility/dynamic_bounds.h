@@ -32,6 +32,12 @@ class DynamicBounds {
     /// The reference implementation, which tests all boxes. Returns them in another order.
     void select_of_all(const Box3& points, const glm::vec3& light, bool directional, std::vector<Box3>& selected) const;
 
+    /// A box that the last update placed, and where it was before; empty: nowhere.
+    struct Placed {
+        std::uint32_t index;
+        Box3 before;
+    };
+    const std::vector<Placed>& placed() const { return placed_; }
     /// Number of boxes; an index stays its object's or its group's.
     std::size_t size() const { return dynamic_.size(); }
     const Box3& box(std::uint32_t index) const { return dynamic_[index].world; }
@@ -55,6 +61,7 @@ class DynamicBounds {
 
     std::vector<DynamicObject> dynamic_;
     BoxTree tree_;   // of their world boxes
+    std::vector<Placed> placed_;
     std::vector<std::uint32_t> by_group_, by_object_;
     std::uint64_t updates_ = 0;
 };

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+// A tile is dropped if a changed box may touch one of its camera rays, or a segment from what it shows to a light.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "scene/builtin/builtin.h"
+#include "scene/light_reach.h"
+#include "scene/view.h"
+#include "trace/kept_tiles.h"
+
+namespace gnomon::trace {
+namespace {
+
+constexpr int k_side = 32;
+
+struct Room {
+    std::shared_ptr<const scene::Scene> scene = std::make_shared<const scene::Scene>(scene::make_cornell());
+    scene::SceneState state{scene, 0};
+    scene::View view = scene::make_view(state, 0, {200, 130});
+};
+
+struct Segment {
+    glm::vec3 from, to;
+};
+
+// A tile whose camera rays end at random distances, with these rays and the segments to lights.
+struct Example {
+    Tile place;
+    KeptTile tile;
+    std::vector<Segment> segments;
+
+    Example(const Room& room, std::mt19937& random, bool misses)
+    {
+        const auto pick = [&](float low, float high) {
+            return std::uniform_real_distribution<float>(low, high)(random);
+        };
+        const Size size = room.view.size;
+        place = tile_at(static_cast<std::size_t>(pick(0, 34.9f)), (size.width + k_side - 1) / k_side, k_side, size);
+        tile.misses = misses;
+        tile.blocks.resize(16);
+        const float distance = pick(0.5f, 4);
+        for (int y = 0; y < place.height; ++y)
+            for (int x = 0; x < place.width; ++x) {
+                glm::vec3 origin, direction;
+                float near, far;
+                room.view.ray(static_cast<float>(place.x + x) + 0.5f, static_cast<float>(place.y + y) + 0.5f, origin,
+                              direction, near, far);
+                if (misses && pick(0, 1) < 0.5f) {
+                    segments.push_back({origin, origin + 100.0f * direction});
+                    continue;
+                }
+                const glm::vec3 hit = origin + (distance + pick(0, 0.3f)) * direction;
+                tile.blocks[static_cast<std::size_t>(y / 8 * 4 + x / 8)].add(hit);
+                segments.push_back({origin, hit});
+                const scene::LightReach reach(room.scene->lights[0], room.state.light(0));
+                segments.push_back({hit, reach.directional() ? hit + 100.0f * reach.place() : reach.place()});
+            }
+        for (const Box3& block : tile.blocks) tile.hits.add(block);
+    }
+    bool meets(const Box3& box) const
+    {
+        return std::ranges::any_of(segments, [&](const Segment& s) {
+            float first = 0, last = 1;
+            for (int axis = 0; axis < 3; ++axis) {
+                const float way = s.to[axis] - s.from[axis];
+                const float a = (box.low[axis] - s.from[axis]) / way, b = (box.high[axis] - s.from[axis]) / way;
+                first = std::max(first, std::min(a, b)), last = std::min(last, std::max(a, b));
+            }
+            return first <= last;
+        });
+    }
+};
+
+void expect_found(const Room& room, bool misses)
+{
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> aside(-0.5f, 0.5f), half(0.01f, 0.25f), along(0, 1);
+    int met = 0, missed = 0, in_vain = 0;
+    for (int number = 0; number < 400; ++number) {
+        const Example example(room, random, misses);
+        // Beside one of its segments.
+        const Segment& near = example.segments[random() % example.segments.size()];
+        const glm::vec3 centre =
+            glm::mix(near.from, near.to, std::min(along(random), 4 / glm::distance(near.from, near.to))) +
+            glm::vec3(aside(random), aside(random), aside(random));
+        const glm::vec3 size(half(random), half(random), half(random));
+        const std::vector<Box3> boxes{{centre - size, centre + size}, Box3{}};   // of an object that appeared
+        const bool found = may_change(example.tile, example.place, BoxTree(boxes), room.state, room.view);
+        const bool meets = example.meets(boxes[0]);
+        EXPECT_TRUE(found || !meets) << number;
+        met += meets, missed += !meets, in_vain += found && !meets;
+    }
+    EXPECT_GT(met, 40);
+    EXPECT_GT(missed, 40);
+    EXPECT_LT(in_vain, missed / 4);
+}
+
+TEST(KeptTile, IsDroppedWhereItsRaysOrShadowsMayChange)
+{
+    expect_found(Room{}, false);
+}
+
+TEST(KeptTile, WithABackgroundIsDroppedByWhatMayComeBeforeIt)
+{
+    expect_found(Room{}, true);
+}
+
+TEST(KeptTile, OfAParallelViewIsDroppedLikewise)
+{
+    Room room;
+    room.view.orthographic = true;
+    expect_found(room, false);
+}
+
+TEST(KeptTile, StaysIfNothingChanged)
+{
+    const Room room;
+    std::mt19937 random(3);
+    const Example example(room, random, true);
+    EXPECT_FALSE(may_change(example.tile, example.place, BoxTree(std::vector<Box3>{}), room.state, room.view));
+    EXPECT_FALSE(may_change(example.tile, example.place, BoxTree(std::vector<Box3>(2)), room.state, room.view));
+}
+
+}   // namespace
+}   // namespace gnomon::trace
