@@ -9,7 +9,7 @@ namespace gnomon::irradiance_cache {
 
 namespace {
 
-constexpr std::size_t k_together = 2048;   // points that the device gets at a time: bounds the memory that it needs
+constexpr std::size_t k_together = 1024;   // points that the device gets at a time: bounds the memory that it needs
 constexpr std::size_t k_piece = 64;        // of these, points that a thread takes at a time
 constexpr std::uint64_t k_estimate = 64;   // rays of a new point, as long as its cut is unknown
 

@@ -53,7 +53,7 @@ GpuPoints::GpuPoints(const std::shared_ptr<vk::Device>& device)
                .code = {"point_cut.comp", k_cut_comp},
                .blocks = {vk::shared_push<shared::PointCutPush>(), vk::shared_block<shared::GpuQuad>("quads"),
                           vk::shared_block<shared::GpuCutRequest>("requests"), vk::shared_block<shared::GpuCut>("cuts"),
-                          vk::shared_block<shared::GpuCutNode>("nodes")}}),
+                          vk::shared_block<shared::GpuCutNode>("nodes"), vk::shared_block<shared::GpuCutNode>("own")}}),
       sum_(device, vk::ComputeDesc{.name = "sums of points",
                                    .code = {"point_sum.comp", k_sum_comp},
                                    .blocks = {vk::shared_push<shared::PointSumPush>(),
@@ -166,6 +166,7 @@ void GpuPoints::cut(std::span<const CutRequest> points, const CutOptions& option
     fitting(requests_, "requests of points", points.size_bytes());
     fitting(cuts_, "cuts of points", points.size() * sizeof(shared::GpuCut));
     fitting(nodes_, "nodes of cuts", points.size() * GNOMON_CUT_ROOM * sizeof(shared::GpuCutNode));
+    fitting(own_nodes_, "room for cuts", points.size() * GNOMON_CUT_ROOM * sizeof(shared::GpuCutNode));
     const vk::Upload upload = vk::upload_of(requests_, points);
     commands_.upload("send points", {&upload, 1});
     commands_.pass("clear cuts").writes(count_, Use::copy_target).copy([&](vk::Recorder& r) { r.fill(count_, 0); });
@@ -178,6 +179,7 @@ void GpuPoints::cut(std::span<const CutRequest> points, const CutOptions& option
         .writes(cuts_)
         .writes(count_)
         .writes(nodes_)
+        .writes(own_nodes_)
         .compute([&](vk::Recorder& r) {
             r.bind(cut_);
             r.set("quads", quads_);
@@ -188,6 +190,7 @@ void GpuPoints::cut(std::span<const CutRequest> points, const CutOptions& option
             r.set("cuts", cuts_);
             r.set("count_of", count_);
             r.set("nodes", nodes_);
+            r.set("own", own_nodes_);
             r.push(shared::PointCutPush{count, roots_count_, options.nearest, options.negligible});
             r.dispatch(count);
         });
@@ -366,7 +369,7 @@ std::size_t GpuPoints::bytes() const
 {
     std::size_t sum = rays_ ? rays_->bytes() : 0;
     for (const vk::Buffer* buffer : {&quads_, &children_, &roots_, &places_, &flux_, &spheres_, &changed_, &requests_,
-                                     &cuts_, &count_, &nodes_, &lights_, &crossed_})
+                                     &cuts_, &count_, &nodes_, &own_nodes_, &lights_, &crossed_})
         if (*buffer) sum += buffer->bytes();
     return sum;
 }

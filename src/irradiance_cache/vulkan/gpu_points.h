@@ -54,7 +54,7 @@ class GpuPoints : public PointDevice {
     std::uint32_t roots_count_ = 0, spheres_count_ = 0;
     std::vector<shared::GpuMovingSphere> spheres_host_;
     vk::Buffer quads_, children_, roots_, places_, flux_, spheres_, changed_;
-    vk::Buffer requests_, cuts_, count_, nodes_, lights_, crossed_;
+    vk::Buffer requests_, cuts_, count_, nodes_, own_nodes_, lights_, crossed_;
     // Lists of visible nodes. Free places are kept by length in steps; everything from `end_` on is free.
     vk::Buffer store_;
     std::uint32_t end_ = 0;

@@ -18,6 +18,7 @@ layout(binding = 4, scalar) readonly buffer Requests { GpuCutRequest at[]; } req
 layout(binding = 5, scalar) writeonly buffer Cuts { GpuCut at[]; } cuts;
 layout(binding = 6, scalar) buffer Count { uint nodes; } count_of;   // of all cuts
 layout(binding = 7, scalar) writeonly buffer Nodes { GpuCutNode at[]; } nodes;
+layout(binding = 8, scalar) coherent buffer Own { GpuCutNode at[]; } own;   // room for the cut of each point
 layout(push_constant, scalar) uniform Push { PointCutPush push; };
 
 const uint k_none = 0xffffffffu, k_lanes = GNOMON_POINT_LANES, k_quads = k_lanes / 4;
@@ -37,7 +38,6 @@ shared uint kept_id[k_lanes];
 shared uint kept_mixed[k_lanes];
 shared float light_of[k_lanes];
 shared float sums[k_lanes];
-shared GpuCutNode cut[GNOMON_CUT_ROOM];
 shared uint first;
 
 #define lane gl_LocalInvocationID.x
@@ -187,6 +187,7 @@ void main()
 
     // Refine each node whose error bound exceeds the threshold [Walter et al. 2005, Section 4].
     const float wrong = requests.at[point].error * total, negligible = push.negligible * total;
+    const uint own_first = point * GNOMON_CUT_ROOM;
     uint cut_length = 0;
     float arrives = 0;   // of this invocation
     begin_walk();
@@ -215,7 +216,7 @@ void main()
         uint votes = vote(keeps_leaf);
         if (keeps_leaf) {
             const uint at = cut_length + before(votes);
-            if (at < GNOMON_CUT_ROOM) cut[at] = GpuCutNode(id, light / flux);
+            if (at < GNOMON_CUT_ROOM) own.at[own_first + at] = GpuCutNode(id, light / flux);
             arrives += light;
         }
         cut_length += bitCount(votes);
@@ -256,7 +257,7 @@ void main()
             if (there) {
                 const uint at = cut_length + before(keeping);
                 flux = quads.at[id >> 2].flux[id & 3];
-                if (at < GNOMON_CUT_ROOM) cut[at] = GpuCutNode(id, light / flux);
+                if (at < GNOMON_CUT_ROOM) own.at[own_first + at] = GpuCutNode(id, light / flux);
                 arrives += light;
             }
             cut_length += bitCount(keeping);
@@ -267,11 +268,12 @@ void main()
     const float factor = arrives > 0 ? clamp(total / arrives, 1, k_most_lack) : 1;
     const uint kept_count = min(cut_length, GNOMON_CUT_ROOM);
     // Append the cut to those of other groups.
+    memoryBarrierBuffer();
     if (lane == 0) {
         first = atomicAdd(count_of.nodes, kept_count);
         cuts.at[point] = GpuCut(first, cut_length);
     }
     barrier();
     for (uint k = lane; k < kept_count; k += k_lanes)
-        nodes.at[first + k] = GpuCutNode(cut[k].node, factor * cut[k].weight);
+        nodes.at[first + k] = GpuCutNode(own.at[own_first + k].node, factor * own.at[own_first + k].weight);
 }

@@ -10,7 +10,7 @@ GNOMON_SHARED_BEGIN(irradiance_cache)
 // Invocations per point: one for each node of eight quads.
 #define GNOMON_POINT_LANES 32
 // Room for the nodes of a cut; longer cuts are made by the CPU.
-#define GNOMON_CUT_ROOM 1024
+#define GNOMON_CUT_ROOM 4096
 // The packing of visible nodes, as in point_kernels.h.
 #define GNOMON_WEIGHT_BITS 14
 #define GNOMON_WEIGHT_SHIFT 16
