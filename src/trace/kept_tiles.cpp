@@ -72,7 +72,7 @@ void KeptTiles::forget()
     bytes_ = 0;
 }
 
-void KeptTiles::begin_frame(const FrameContext& frame, std::size_t tiles, int side, bool continues)
+void KeptTiles::begin_frame(const FrameContext& frame, std::size_t tiles, int side, bool continues, float sun_radius)
 {
     const scene::FrameChanges& changes = frame.state.changes();
     const bool only_objects = changes.lights_moved.empty() && changes.lights_relit.empty() &&
@@ -101,7 +101,7 @@ void KeptTiles::begin_frame(const FrameContext& frame, std::size_t tiles, int si
     frame.tasks.for_each(tiles, [&](std::size_t index, int) {
         if (!tiles_[index]) return;
         const Tile place = tile_at(index, columns, side, frame.view.size);
-        if (!may_change(*tiles_[index], place, changed, frame.state, frame.view)) return;
+        if (!may_change(*tiles_[index], place, changed, frame.state, frame.view, sun_radius)) return;
         bytes_ -= tiles_[index]->bytes();
         tiles_[index].reset();
     });
@@ -125,7 +125,7 @@ void KeptTiles::keep(std::size_t tile, std::unique_ptr<KeptTile> kept)
 }
 
 bool may_change(const KeptTile& tile, const Tile& place, const BoxTree& changed, const scene::SceneState& state,
-                const scene::View& view)
+                const scene::View& view, float sun_radius)
 {
     bool found = false;
     const auto find = [&](const auto& meets) {
@@ -149,7 +149,8 @@ bool may_change(const KeptTile& tile, const Tile& place, const BoxTree& changed,
         if (!at.visible) continue;
         const scene::LightReach reach(state.scene().lights[l], at);
         const auto shadows = [&](const Box3& box, const Box3& points) {
-            return visibility::may_shadow(box, points, reach.place(), reach.directional());
+            return reach.directional() ? visibility::may_shadow(box, points, reach.place(), sun_radius)
+                                       : visibility::may_shadow(box, points, reach.place(), false);
         };
         for (const Box3& block : tile.blocks)
             if (!block.empty() && find([&](const Box3& box) { return shadows(box, tile.hits) && shadows(box, block); }))

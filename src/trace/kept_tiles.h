@@ -2,7 +2,7 @@
 #pragma once
 // What tiles keep of their first hits from frame to frame, as long as the camera stands still.
 //
-// A first hit, its surface and its light from point lights depend on what lies between the eye, the surface and the
+// A first hit, its surface and its light from points and suns depend on what lies between the eye, the surface and the
 // lights. Where no dynamic object that changed was or is in between, all of them are those of the frame before, to the
 // bit. So a tile keeps its first hits with the light they have without bounces, and is traced anew only if the box of
 // an object that changed, as it was or as it is, may touch one of its camera rays, or a segment from what it shows to a
@@ -64,7 +64,8 @@ class KeptTiles {
     /// @param continues  scene, view and options are those of the last frame that was begun, it was finished, and the
     ///                   state advanced once since. Tiles are kept from the second such frame on, so that frames of a
     ///                   camera that moves do not pay for it.
-    void begin_frame(const FrameContext& frame, std::size_t tiles, int side, bool continues);
+    /// @param sun_radius  angular, of directional lights, in radians
+    void begin_frame(const FrameContext& frame, std::size_t tiles, int side, bool continues, float sun_radius);
     /// Forgets all tiles, for example because a frame was lit by something that they do not follow.
     void forget();
 
@@ -86,9 +87,10 @@ class KeptTiles {
     std::atomic<std::size_t> bytes_ = 0;
 };
 
-/// Whether an object that changed may alter the first hits of a tile, or their light from point lights.
-/// @param changed  boxes of such objects, in this frame and the last one
+/// Whether an object that changed may alter the first hits of a tile, or their light from points and suns.
+/// @param changed     boxes of such objects, in this frame and the last one
+/// @param sun_radius  angular, of directional lights, in radians
 bool may_change(const KeptTile& tile, const Tile& place, const BoxTree& changed, const scene::SceneState& state,
-                const scene::View& view);
+                const scene::View& view, float sun_radius);
 
 }   // namespace gnomon::trace

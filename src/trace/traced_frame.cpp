@@ -101,7 +101,15 @@ class Pass {
         return *tracer;
     }
     /// Whether the light of first hits is that of lights whose changes kept tiles follow.
-    bool lights_alone() const { return !environment_ && !sized_.lights && !frame_.rays.thins_light(); }
+    bool lights_alone() const
+    {
+        return (!environment_ || environment_->empty()) && !sized_.lights && !frame_.rays.thins_light();
+    }
+    /// Angular, radians.
+    float sun_radius() const
+    {
+        return environment_ ? static_cast<float>(0.5 * environment_->light().options().sun_diameter) : 0;
+    }
     /// Sums what the threads counted, and lets the techniques learn from what their workers found.
     FrameCounters end();
 
@@ -334,7 +342,7 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     if (options.keeps && options.samples == 1 && !filters && !blur && !options.layers && !options.backdrop_apart &&
         !options.random_lobes && !log && pass.lights_alone()) {
         kept = &scratch.kept;
-        kept->begin_frame(frame, pass.tiles(), options.tile, options.continues);
+        kept->begin_frame(frame, pass.tiles(), options.tile, options.continues, pass.sun_radius());
     } else {
         scratch.kept.forget();
     }

@@ -62,8 +62,8 @@ struct TracedOptions {
     bool random_lobes = false;     // for a reference: random directions, not filtered, and their error
     std::uint64_t lobe_seed = 0;   // of these
     /// Keep the first hits of tiles in the scratch memory, and use those that lie there (kept_tiles.h). Has no effect
-    /// with more than one sample, layers, alpha, a filter of these, blur, lights with size, an environment, or surfaces
-    /// that thin light.
+    /// with more than one sample, layers, alpha, a filter of these, blur, lights with size, an environment image, or
+    /// surfaces that thin light.
     bool keeps = false;
     bool continues = false;   // of these: see KeptTiles::begin_frame()
 };

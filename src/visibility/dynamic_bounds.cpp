@@ -189,6 +189,19 @@ bool may_shadow(const Box3& blocker, const Box3& points, const Box3& light)
     return true;
 }
 
+bool may_shadow(const Box3& blocker, const Box3& points, const glm::vec3& to_light, float radius)
+{
+    const float room = k_widen * std::max(largest_of(points.low), largest_of(points.high));
+    // Unit vectors within the angle differ from the middle by less, in each coordinate.
+    const glm::vec3 slope_low = to_light - radius - k_widen, slope_high = to_light + radius + k_widen;
+    float first = 0, last = k_infinity;
+    for (int axis = 0; axis < 3; ++axis)
+        if (!narrow(points.low[axis], slope_low[axis], points.high[axis], slope_high[axis], blocker.low[axis] - room,
+                    blocker.high[axis] + room, first, last))
+            return false;
+    return true;
+}
+
 std::size_t DynamicBounds::select(const Box3& points, const Box3& light, std::vector<std::uint32_t>& selected) const
 {
     selected.clear();

@@ -70,6 +70,10 @@ class DynamicBounds {
 bool may_shadow(const Box3& blocker, const Box3& points, const glm::vec3& light, bool directional);
 /// The same for segments to anywhere in a box around a light with size.
 bool may_shadow(const Box3& blocker, const Box3& points, const Box3& light);
+/// The same for endless rays towards a disc in the sky.
+/// @param to_light  its middle, unit
+/// @param radius    angular, radians
+bool may_shadow(const Box3& blocker, const Box3& points, const glm::vec3& to_light, float radius);
 
 /// Whether the segment origin + direction * [0, end] intersects a box, with a margin for rounding.
 bool segment_meets(const Box3& box, const glm::vec3& origin, const glm::vec3& direction, float end);

@@ -125,6 +125,13 @@ TEST(KeptTiles, ImagesOfOneSampleAndOneBounceAreThoseOfNewRenderers)
     expect_same_as_anew(of);
 }
 
+TEST(KeptTiles, LightOfASunIsThatOfNewRenderers)
+{
+    RenderOptions of = options();
+    of.sun_size = 4;
+    expect_same_as_anew(of);
+}
+
 TEST(KeptTiles, ParallelViewsAreThoseOfNewRenderers)
 {
     RenderOptions of = options();

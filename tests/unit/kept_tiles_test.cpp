@@ -86,7 +86,7 @@ void expect_found(const Room& room, bool misses)
             glm::vec3(aside(random), aside(random), aside(random));
         const glm::vec3 size(half(random), half(random), half(random));
         const std::vector<Box3> boxes{{centre - size, centre + size}, Box3{}};   // of an object that appeared
-        const bool found = may_change(example.tile, example.place, BoxTree(boxes), room.state, room.view);
+        const bool found = may_change(example.tile, example.place, BoxTree(boxes), room.state, room.view, 0);
         const bool meets = example.meets(boxes[0]);
         EXPECT_TRUE(found || !meets) << number;
         met += meets, missed += !meets, in_vain += found && !meets;
@@ -113,13 +113,43 @@ TEST(KeptTile, OfAParallelViewIsDroppedLikewise)
     expect_found(room, false);
 }
 
+// Rays to anywhere in a sun's disc.
+TEST(KeptTile, IsDroppedWhereASunMayBeHidden)
+{
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> pick(-1, 1);
+    const auto point = [&] { return glm::vec3(pick(random), pick(random), pick(random)); };
+    int met = 0, missed = 0;
+    for (int number = 0; number < 3000; ++number) {
+        const float radius = 0.15f * (1 + pick(random));
+        const glm::vec3 to_light = glm::normalize(point()), origin = point();
+        Box3 points, blocker;
+        for (int i = 0; i < 3; ++i) points.add(origin + 0.1f * point());
+        glm::vec3 s, t;
+        make_basis(to_light, s, t);
+        const float angle = 3.14159f * pick(random), out = radius * std::sqrt(0.5f * (1 + pick(random)));
+        const glm::vec3 direction =
+            std::cos(out) * to_light + std::sin(out) * (std::cos(angle) * s + std::sin(angle) * t);
+        // Half of the boxes lie on such a ray.
+        const glm::vec3 on =
+            glm::mix(points.low, points.high, 0.5f * (1.0f + point())) + (2 + pick(random)) * direction;
+        const bool meets = number % 2 == 0;
+        blocker.add(meets ? on : on + 2.0f * point());
+        const bool found = visibility::may_shadow(blocker, points, to_light, radius);
+        EXPECT_TRUE(found || !meets) << number;
+        met += meets, missed += !found;
+    }
+    EXPECT_GT(met, 1000);
+    EXPECT_GT(missed, 700);
+}
+
 TEST(KeptTile, StaysIfNothingChanged)
 {
     const Room room;
     std::mt19937 random(3);
     const Example example(room, random, true);
-    EXPECT_FALSE(may_change(example.tile, example.place, BoxTree(std::vector<Box3>{}), room.state, room.view));
-    EXPECT_FALSE(may_change(example.tile, example.place, BoxTree(std::vector<Box3>(2)), room.state, room.view));
+    EXPECT_FALSE(may_change(example.tile, example.place, BoxTree(std::vector<Box3>{}), room.state, room.view, 0));
+    EXPECT_FALSE(may_change(example.tile, example.place, BoxTree(std::vector<Box3>(2)), room.state, room.view, 0));
 }
 
 }   // namespace
