@@ -585,7 +585,6 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     }
 
     techniques.environment = environment_.of_frame(*state_, options_, plan_.shown == Shown::light, plan_.reference);
-
     trace::TracedOptions traced;
     traced.max_depth = options_.max_depth;
     // Overlays, references and the papers by the letter have one sample a pixel rather than adaptive ones.
@@ -598,13 +597,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     traced.filters_shown = !nah_;   // which remembers what each image shows, so that none may precede the frame's
     traced.backdrop_apart = options_.background != BackgroundKind::environment && plan_.shown == Shown::light;
     traced.layers = options_.layers && plan_.shown == Shown::light;
-    // The published culling learns from each first hit.
-    traced.keeps = options_.keep_image && plan_.shown == Shown::light && !plan_.reference && !nah_;
-    traced.continues = continues_;
-    if (limit_.bytes() > 0) {
-        const std::size_t others = held_bytes() - scratch_.kept.bytes();
-        scratch_.kept.limit(limit_.bytes() > others ? (limit_.bytes() - others) / 2 : 0);
-    }
+    keep_tiles(traced);
     if (in_scanline_order) traced.tile = 1;
     if (plan_.reference) {
         traced.random_lobes = true;   // a ray for four paths of a point
@@ -627,6 +620,17 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     if (blur && blur->any()) blur_traced(*blur, *request.shutter, traced, techniques, tasks, counters);
     if (accelerator_ == Accelerator::kdtree) count_kdtree(counters);
     return counters;
+}
+
+void FrameEngine::keep_tiles(trace::TracedOptions& traced)
+{
+    // The published culling learns from each first hit.
+    traced.keeps = options_.keep_image && plan_.shown == Shown::light && !plan_.reference && !nah_;
+    traced.continues = continues_;
+    // Leave half of what is left of the memory to tiles.
+    if (limit_.bytes() == 0) return;
+    const std::size_t others = held_bytes() - scratch_.kept.bytes();
+    scratch_.kept.limit(limit_.bytes() > others ? (limit_.bytes() - others) / 2 : 0);
 }
 
 void FrameEngine::count_kdtree(FrameCounters& counters) const

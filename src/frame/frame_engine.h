@@ -221,6 +221,7 @@ class FrameEngine {
     FrameCounters blur_raster(const scene::View& view, const Shutter& shutter);
     FrameCounters render_traced(const scene::View& view, const RenderRequest& request);
     void check_memory(std::string_view what) const;
+    void keep_tiles(trace::TracedOptions& traced);
     void count_kdtree(FrameCounters& counters) const;
 
     EngineSettings settings_;
