@@ -126,9 +126,9 @@ struct RenderOptions {
     /// improve() alone instead of at the end of each frame, and pick() works with the rasteriser, too. Images are the
     /// same. Cannot be changed later.
     bool interactive = false;
-    /// Where nothing has changed since the last traced frame, neither scene nor view nor options, give its layers again
-    /// and trace nothing: they are the same to the bit. Not with motion, a shutter or a lens. false: light each frame
-    /// from what is remembered, for measurements.
+    /// Where nothing has changed since the last traced frame, give its layers again and trace nothing; where view and
+    /// options have not, keep what pixels show where nothing that changed can come before it. Frames are the same to the
+    /// bit. Not with motion, a shutter or a lens. false: light each frame from what is remembered, for measurements.
     bool keep_image = true;
     friend bool operator==(const RenderOptions&, const RenderOptions&) = default;
 };
