@@ -18,6 +18,8 @@ class ViewSettings {
 
     /// @throws UsageError  if options exclude each other
     RenderOptions render_options() const;
+    /// `--exposure auto-frame`: also the frames of a recording have their own.
+    bool exposure_of_each_frame() const { return values_.text("exposure") == "auto-frame"; }
     /// How to load `scene`, a file or a built-in scene, with the options of the scene.
     SceneRecipe recipe(const std::string& scene) const;
 

@@ -63,6 +63,7 @@ void Viewer::Impl::toggle_recording()
     panel.message = "recording every frame of the clip; press R to stop";
     video_size = view_size();
     video_request = 0;   // ignore images that were requested before
+    video_exposure.reset();
     playback.playing = false;
     dirty = true;
 }

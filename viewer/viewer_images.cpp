@@ -78,6 +78,7 @@ bool Viewer::Impl::take_image()
             end_recording("the size of the image changed");
             return true;
         }
+        if (!video_exposure) video_exposure = image->frame.exposure;
         playback.frame = playback.frame + 1 > playback.frames ? 1 : playback.frame + 1;
         dirty = true;
     }
@@ -120,6 +121,9 @@ void Viewer::Impl::ask()
     ViewRequest request;
     request.scene = scene;
     request.options = settings.render_options();
+    // An automatic exposure is computed from a recording's first frame, and kept, so that the video does not flicker.
+    if (recorder.recording() && !request.options.exposure && !settings.exposure_of_each_frame())
+        request.options.exposure = video_exposure;
     request.time = time;
     request.camera = request.options.camera;
     request.overrides = overrides.list;

@@ -60,6 +60,7 @@ struct Viewer::Impl {
     bool wants_screenshot = false;
     std::uint64_t shot_request = 0, video_request = 0;   // requests for a screenshot and for the video's next frame
     Size video_size{};                                   // the view's size when the recording began
+    std::optional<double> video_exposure;                // of the recording's first frame: stops
     bool dirty = true;
     std::vector<UserOverride> requested_overrides;
 

@@ -225,7 +225,8 @@ constexpr Option k_options[] = {
     {.name = "exposure", .argument = "EV|auto|auto-frame", .kind = Kind::number_or_auto, .fallback = "auto",
      .choices = "auto-frame", .range = ranges::exposure, .subcommands = k_images, .group = k_look,
      .help = "exposure in stops. auto: of a video and of a numbered set, computed once from frames spread over the whole "
-             "clip; of a single image and in a window, from the frame; auto-frame: from each frame separately"},
+             "clip; of a single image and in a window, from the frame; of a window's recording, from its first frame; "
+             "auto-frame: from each frame separately"},
     {.name = "tonemap", .argument = "NAME", .kind = Kind::choice, .fallback = "neutral", .choices = k_choices<ToneMap>,
      .subcommands = k_images, .group = k_look, .help = "tone mapping operator"},
     {.name = "background", .argument = "COLOR|transparent|environment", .kind = Kind::text, .fallback = "environment",

@@ -41,9 +41,9 @@ struct CentreSample {
 
 struct RefineOptions {
     float exposure = 1;     // factor that makes the image as bright as a display shows it
-    float edge = 0.06f;     // difference of neighbouring surfaces, as shown() has it, that one sample may hide
-    float light = 0.1f;     // likewise, of light on one surface
-    float agree = 0.08f;    // difference of light on one surface within which samples share it
+    float edge = 0.03f;     // difference of neighbouring surfaces, as shown() has it, that one sample may hide
+    float light = 0.04f;    // likewise, of light on one surface
+    float agree = 0.03f;    // difference of light on one surface within which samples share it
     float spread = 0.15f;   // difference of a pixel's samples of several surfaces from which on it has all of them
     float light_spread = 0.12f;   // likewise, of samples of one surface
     float same_normal = 0.9f;     // cosine between normals of neighbours on one surface

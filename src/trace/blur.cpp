@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::array<std::uint32_t, 5> k_totals{k_first_blur_samples, 16, 32, 64, 128};   // samples of a pixel
 constexpr int k_posed_rounds = 2;        // where poses cost as much as samples
-constexpr float k_convergence = 0.85f;   // power of the samples' number by which their error falls; 0.5: of random ones
+constexpr float k_convergence = 0.66f;   // power of the samples' number by which their error falls; 0.5: of random ones
 constexpr int k_reach = 2;               // pixels around whose samples tell of a pixel's error
 
 std::uint32_t mixed(std::uint32_t x)
@@ -149,7 +149,7 @@ bool Blur::next_round(Tasks& tasks)
     if (round_ + 1 ==
         (posed ? std::min(k_posed_rounds, static_cast<int>(totals_.size())) : static_cast<int>(totals_.size())))
         return false;
-    // Go on with the pixels whose error is too large. Errors read the pixels that took part in the last round.
+    // Go on with the pixels whose error is too large.
     Image8 next(size_.width, size_.height, 1);
     std::vector<std::size_t> last(static_cast<std::size_t>(size_.height), 0);   // of each row, 1 and the largest total
     tasks.for_each(static_cast<std::size_t>(size_.height), [&](std::size_t row, int) {
@@ -194,25 +194,43 @@ void Blur::use_times()
 }
 
 // How far a pixel's mean of a number of samples may be from the true one, as a display shows it. Variance and mean are
-// those of the samples of all pixels around that took part: of its own, a pixel that happens to be too bright would
-// stop earlier.
+// those of other pixels around, so that the number of a pixel's samples does not depend on what they show: a pixel that
+// happens to miss the light of a thin line would stop earlier than one that meets it. The largest of several estimates
+// counts: of all pixels around, and of two on either side, because a line fills few of the pixels around.
 float Blur::error_at(int x, int y, std::uint32_t samples) const
 {
-    const auto n = static_cast<float>(end_);
-    glm::vec3 variance(0), mean(0);
-    int pixels = 0;
-    for (int v = std::max(y - k_reach, 0); v <= std::min(y + k_reach, size_.height - 1); ++v)
-        for (int u = std::max(x - k_reach, 0); u <= std::min(x + k_reach, size_.width - 1); ++u) {
-            if (!active(u, v)) continue;
-            const float *const sum = sums_.pixel(u, v), *const square = squares_.pixel(u, v);
-            for (int c = 0; c < 3; ++c)
-                mean[c] += sum[c], variance[c] += std::max(square[c] - sum[c] * sum[c] / n, 0.0f);
-            ++pixels;
-        }
-    variance /= static_cast<float>(pixels) * (n - 1);
-    mean /= static_cast<float>(pixels) * n;
-    const glm::vec3 error = glm::sqrt(variance) / std::pow(static_cast<float>(samples), k_convergence);
-    return shading::difference(displayed(exposure_ * (mean + error)), displayed(exposure_ * mean));
+    const float falls = std::pow(static_cast<float>(samples), -k_convergence);
+    const auto error_of = [&](const Spread& of) {
+        if (of.pixels == 0) return 0.0f;
+        const float share = 1.0f / static_cast<float>(of.pixels);
+        const glm::vec3 mean = share * of.mean, error = falls * glm::sqrt(share * of.variance);
+        return shading::difference(displayed(exposure_ * (mean + error)), displayed(exposure_ * mean));
+    };
+    Spread around;
+    for (int v = y - k_reach; v <= y + k_reach; ++v)
+        for (int u = x - k_reach; u <= x + k_reach; ++u)
+            if (u != x || v != y) add_spread(u, v, around);
+    if (around.pixels == 0) add_spread(x, y, around);
+    float error = error_of(around);
+    for (const glm::ivec2& side : {glm::ivec2(1, 0), {0, 1}, {1, 1}, {1, -1}}) {
+        Spread pair;
+        add_spread(x - side.x, y - side.y, pair), add_spread(x + side.x, y + side.y, pair);
+        error = std::max(error, error_of(pair));
+    }
+    return error;
+}
+
+// Adds mean and variance of a pixel's samples, if it is in the image and has some.
+void Blur::add_spread(int x, int y, Spread& to) const
+{
+    if (x < 0 || y < 0 || x >= size_.width || y >= size_.height || *rounds_.pixel(x, y) < 2) return;
+    const auto n = static_cast<float>(end_sample(x, y));
+    const float *const sum = sums_.pixel(x, y), *const square = squares_.pixel(x, y);
+    for (int c = 0; c < 3; ++c) {
+        to.mean[c] += sum[c] / n;
+        to.variance[c] += std::max(square[c] - sum[c] * sum[c] / n, 0.0f) / (n - 1);
+    }
+    ++to.pixels;
 }
 
 void Blur::add(int x, int y, const float* values)

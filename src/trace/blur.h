@@ -7,8 +7,8 @@
 // 2. Pixels are touched if a moving object may be seen, may cast a shadow or may be mirrored in them, or if something
 //    that is out of focus is seen there or may reach into them (Blur::select()). All others stay as they are, bit for
 //    bit.
-// 3. Touched pixels get 8, 16, 32, 64 or 128 samples. With a lens alone, these are rounds: pixels go on whose samples
-//    and those of the pixels around still differ too much. Where the scene is posed, there are two rounds, because each
+// 3. Touched pixels get 8, 16, 32, 64 or 128 samples. With a lens alone, these are rounds: pixels go on around which
+//    samples still differ too much. Where the scene is posed, there are two rounds, because each
 //    poses it anew: the first 8 samples tell how many each pixel takes in all (Blur::next_round()).
 // 4. Each touched pixel becomes the mean of its samples, in linear light, so that what is blurred keeps its energy.
 //
@@ -53,7 +53,7 @@ struct BlurOptions {
     scene::Lens lens{.radius = 0};
     int samples = 0;             // of each touched pixel; 0: in rounds
     bool random = false;         // for measurements: independent random samples
-    float error = 0.01f;         // of a pixel, where 1 is a display's white, above which it takes more samples
+    float error = 0.0125f;       // of a pixel, where 1 is a display's white, above which it takes more samples
     float blurred_from = 0.5f;   // diameter in pixels from which on what is out of focus counts
     float near = 0.5f;           // distance, in diagonals of its box, within which a moving object changes light
 };
@@ -120,6 +120,12 @@ class Blur {
     void touch_unsharp(const shading::CentreSamples& centres, const scene::View& view, Tasks& tasks);
     void widen(Tasks& tasks);
     void use_times();
+    // What the samples of some pixels show: sums over the pixels.
+    struct Spread {
+        glm::vec3 mean{0}, variance{0};
+        int pixels = 0;
+    };
+    void add_spread(int x, int y, Spread& to) const;
     float error_at(int x, int y, std::uint32_t samples) const;
     std::size_t next_total(int x, int y) const;
 

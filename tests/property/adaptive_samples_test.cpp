@@ -35,7 +35,8 @@ double rmse(std::span<const float> a, std::span<const float> b)
 
 // A board of 2 x 2 that fills the view, below a light. With `shade`, a strip between them casts a shadow on it; the
 // strip itself is not seen.
-Scene board(bool shade)
+// @param second  intensity of a light whose shadow lies elsewhere
+Scene board(bool shade, float intensity = 300, float second = 0)
 {
     SceneBuilder builder;
     const auto square = [&](float side, float y, float depth) {
@@ -46,7 +47,8 @@ Scene board(bool shade)
     const MaterialId white = builder.material({.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .ior = 1});
     builder.instance(square(20, 0, 20), white);
     if (shade) builder.instance(square(1.03f, 5, 0.21f), white);
-    builder.light({.color = {300, 300, 300}}, Transform::translation(0, 10, 0));
+    builder.light({.color = {intensity, intensity, intensity}}, Transform::translation(0, 10, 0));
+    if (second > 0) builder.light({.color = {second, second, second}}, Transform::translation(0, 10, 8));
     return builder.finish();
 }
 
@@ -258,6 +260,39 @@ TEST(AdaptiveSamples, RefinesNothingOnAnEvenBoardAndTheEdgeOfAShadowOnIt)
         EXPECT_GE(result.counters.samples.shaded, 4 * result.counters.samples.pixels);
         EXPECT_LT(result.counters.samples.shaded, result.counters.samples.taken);
     }
+}
+
+// Two sides of a shadow's edge that differ by a few steps of a display, as 80 and 65 of 255: no stairs are left.
+TEST(AdaptiveSamples, EdgesOfWeakShadowsAreClean)
+{
+    const Scene scene = board(true, 12, 45);
+    const scene::SceneState state(api::scene_of(scene), 0);
+    const ray::RayScene rays(state);
+    scene::View view;
+    view.eye = {0, 3, 0}, view.forward = {0, -1, 0};
+    view.right = {0.88f, 0, 0.19f}, view.up = {0.19f, 0, -0.88f};   // edges cross rows of pixels
+    view.size = {64, 64};
+    view.pixel_spread = 2 * 0.9f / 64;
+    const ImageF adaptive =
+        traced(state, rays, view, {.filter = PixelFilter::blackman_harris, .adaptive = true, .exposure = 0.0f})
+            .buffers.color;
+    const ImageF many =
+        traced(state, rays, view, {.samples = 64, .filter = PixelFilter::blackman_harris, .exposure = 0.0f})
+            .buffers.color;
+    float errors = 0, step = 0;
+    int edge = 0;
+    for (std::size_t i = 0; i < many.data.size(); ++i) {
+        const auto shown = [](float x) { return std::sqrt(x / (1 + x)); };
+        const float error = shown(adaptive.data[i]) - shown(many.data[i]);
+        errors += error * error;
+        if (i < 3 * 64) continue;
+        const float beside = std::abs(shown(many.data[i]) - shown(many.data[i - 3 * 64]));
+        step = std::max(step, beside), edge += beside > 0.01f;
+    }
+    EXPECT_GT(step, 0.015f);
+    EXPECT_LT(step, 0.05f);
+    EXPECT_GT(edge, 3 * 64);
+    EXPECT_LT(std::sqrt(errors / static_cast<float>(edge)), 0.006f);
 }
 
 // A floor with stripes a little wider than pixels, seen at a slant, so that single samples of it are not its means.
