@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "base/volume.h"
 #include "scene/node_poses.h"
@@ -17,15 +18,24 @@ struct ObjectBox {
     double triangles;
 };
 
-// The value at which the sum of weights reaches a fraction of the total.
-float quantile(std::vector<std::pair<float, double>> values, double fraction)
+// The value at which the sum of weights reaches a fraction of the total. Weights are whole numbers, so that the order
+// in which they are added does not matter. Reorders the values; cost: O(n) on average.
+float quantile(std::span<std::pair<float, double>> values, double fraction)
 {
-    std::sort(values.begin(), values.end());
-    double sum = 0, all = 0;
+    double all = 0;
     for (const auto& [value, weight] : values) all += weight;
-    for (const auto& [value, weight] : values)
-        if ((sum += weight) >= fraction * all) return value;
-    return values.back().first;
+    double below = 0;   // the sum of the weights in front of the values that are left
+    while (values.size() > 1) {
+        const std::size_t half = values.size() / 2;
+        std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half), values.end());
+        double sum = below;
+        for (const auto& [value, weight] : values.first(half)) sum += weight;
+        if (sum >= fraction * all)
+            values = values.first(half);
+        else
+            values = values.subspan(half), below = sum;
+    }
+    return values.front().first;
 }
 
 // The box around the middle of the triangles, extended by objects that enlarge it little.
