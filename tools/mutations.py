@@ -272,6 +272,11 @@ MUTATIONS = (
         "src/irradiance_cache/light_tree/moving_spheres.cpp",
         "glm::length(s.centre - all.centre) + s.radius);", "glm::length(s.centre - all.centre));",
         "unit:MovingSpheres.*"),
+    row("near-light-of-all-nodes", "irradiance_cache", "all light within the radius of the near field is near light",
+        "src/irradiance_cache/near_field/near_light.cpp",
+        "options_.tree ? options_.tree->leaf_width(l, position, cosine) : k_infinity;",
+        "options_.tree && l == scene::none ? options_.tree->leaf_width(l, position, cosine) : k_infinity;",
+        "property:NearLight.OfSmallLeavesHasNoGrain"),
     # ---- patches
     row("chosen-without-weight", "patches", "the objects that stand for others give off their own light alone",
         "src/patches/dynamic_reflection.cpp", "static_cast<double>(count) * step / of.area", "1.0",
