@@ -7,8 +7,8 @@
 The environment variable GNOMON_ISA limits the program. With --valgrind, each case of a list of small ones is also
 rendered by a program that runs in valgrind, which hides AVX-512 and computes approximate reciprocals in a way of its own:
 a third make of processor. --full renders the long list, and --only the rows that contain WORDS. Scenes that are not
-there are left out, with a line on standard error. The exit code is 1 if a frame differs, and 77 if the machine has one
-instruction set only.
+there are left out, with a line on standard error. The exit code is 1 if a frame differs or no case was compared, and 77
+if the machine has one instruction set only.
 """
 import argparse
 import hashlib
@@ -151,6 +151,8 @@ def main() -> int:
         print(f"{'same' if same else 'DIFFERENT'}  {text}  {' '.join(arguments)}  ({time.monotonic() - start:.0f} s)",
               flush=True)
     print(f"{cases} cases under {', '.join(name for name, _, _ in runs)}: {differ} different")
+    if cases == 0:
+        raise SystemExit("no case was compared")
     return 1 if differ else 0
 
 

@@ -200,7 +200,7 @@ class LightsBench {
           options_(options),
           state_(scene, scene->timeline.time_of(options.frames.first)),
           rays_(state_),
-          visibility_(state_, rays_),
+          visibility_(state_, rays_, options.proofs),
           opponent_errors_(options.samples.size()),
           opponent_ms_(options.samples.size())
     {

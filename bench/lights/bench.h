@@ -13,6 +13,7 @@
 #include <memory>
 #include <vector>
 
+#include "area_light/area_shadows.h"
 #include "gnomon/types.h"
 #include "scene/scene.h"
 
@@ -24,10 +25,11 @@ struct LightsBenchOptions {
     scene::CameraId camera = 0;
     float side = 0.3f;   // of the squares, metres
     std::vector<int> samples = {16, 64, 256};
-    int check = 64;            // segments traced for every proven answer
-    int truth = 16384;         // rays of a point to find the truth
-    int truth_points = 2000;   // points of a frame and light that are compared with the truth
-    int repeats = 3;           // of the steady frame and of the opponents; the least time counts
+    int check = 64;                     // segments traced for every proven answer
+    int truth = 16384;                  // rays of a point to find the truth
+    int truth_points = 2000;            // points of a frame and light that are compared with the truth
+    int repeats = 3;                    // of the steady frame and of the opponents; the least time counts
+    area_light::AreaOptions proofs{};   // what is measured
 };
 
 struct LightsBenchResult {

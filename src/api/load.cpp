@@ -53,11 +53,12 @@ Scene load(const std::string& what, const LoadOptions& options)
         if (options.ground.value_or(false)) scene::add_ground(loaded, scene::k_wanted_ground);
     } else {
         if (!options.strict) scene::judge_cameras(loaded);
-        scene::add_default_camera(loaded);
+        scene::Survey survey;
+        scene::add_default_camera(loaded, survey);
         scene::SurroundingsOptions surroundings;
         surroundings.ground = options.ground;
         if (options.strict) surroundings.fill = 0;
-        scene::add_surroundings(loaded, surroundings);
+        scene::add_surroundings(loaded, surroundings, survey);
     }
     interruption_point();
     api::SceneStamps stamps(loaded);

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "base/volume.h"
+#include "scene/node_poses.h"
 #include "scene/state.h"
 
 namespace gnomon::scene {
@@ -16,15 +18,24 @@ struct ObjectBox {
     double triangles;
 };
 
-// The value at which the sum of weights reaches a fraction of the total.
-float quantile(std::vector<std::pair<float, double>> values, double fraction)
+// The value at which the sum of weights reaches a fraction of the total. Weights are whole numbers, so that the order
+// in which they are added does not matter. Reorders the values; cost: O(n) on average.
+float quantile(std::span<std::pair<float, double>> values, double fraction)
 {
-    std::sort(values.begin(), values.end());
-    double sum = 0, all = 0;
+    double all = 0;
     for (const auto& [value, weight] : values) all += weight;
-    for (const auto& [value, weight] : values)
-        if ((sum += weight) >= fraction * all) return value;
-    return values.back().first;
+    double below = 0;   // the sum of the weights in front of the values that are left
+    while (values.size() > 1) {
+        const std::size_t half = values.size() / 2;
+        std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half), values.end());
+        double sum = below;
+        for (const auto& [value, weight] : values.first(half)) sum += weight;
+        if (sum >= fraction * all)
+            values = values.first(half);
+        else
+            values = values.subspan(half), below = sum;
+    }
+    return values.front().first;
 }
 
 // The box around the middle of the triangles, extended by objects that enlarge it little.
@@ -57,6 +68,36 @@ Box3 dense_part(const std::vector<ObjectBox>& boxes)
     return dense;
 }
 
+// Whether products of a matrix with coordinates of float stay within the range of double, and are numbers.
+bool is_moderate(const glm::dmat4& m)
+{
+    constexpr double k_most = 1e200;
+    bool moderate = true;
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 3; ++row) moderate = moderate & (std::abs(m[column][row]) < k_most);
+    return moderate;
+}
+
+// Adds the corners of a box that a matrix transforms, as transform_point() does, but for those that are not finite.
+void add_transformed(const glm::dmat4& m, const Box3& box, Box3& result)
+{
+    // Sums that are rounded rise with each summand, so that the least one has the least summands.
+    const glm::dvec3 a(box.low), b(box.high);
+    const glm::dvec3 xa(m[0] * a.x), xb(m[0] * b.x), ya(m[1] * a.y), yb(m[1] * b.y), za(m[2] * a.z), zb(m[2] * b.z);
+    const glm::dvec3 origin(m[3]);
+    const glm::vec3 low((glm::min(xa, xb) + glm::min(ya, yb)) + (glm::min(za, zb) + origin));
+    const glm::vec3 high((glm::max(xa, xb) + glm::max(ya, yb)) + (glm::max(za, zb) + origin));
+    if (is_moderate(m) && is_finite(box.low) && is_finite(box.high) && is_finite(low) && is_finite(high)) {
+        result.add(low), result.add(high);
+        return;
+    }
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::dvec3 p(corner & 1 ? b.x : a.x, corner & 2 ? b.y : a.y, corner & 4 ? b.z : a.z);
+        const glm::vec3 q(transform_point(m, p));
+        if (is_finite(q)) result.add(q);
+    }
+}
+
 }   // namespace
 
 SceneBounds clip_bounds(const Scene& scene, int most_times)
@@ -76,20 +117,16 @@ SceneBounds clip_bounds(const Scene& scene, int most_times)
         boxes.push_back({{}, static_cast<double>(scene.meshes[object.mesh].triangles.size())});
     const bool moves =
         std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object& o) { return o.dynamic; });
+    // Compute the matrices of all nodes at once, because walking up from each is slow in deep hierarchies.
+    NodePoses poses(scene, scene.timeline.time_of(1));
     for (int i = 0; i < (moves ? times : 1); ++i) {
         const int frame = times > 1 ? 1 + static_cast<int>(static_cast<std::int64_t>(frames - 1) * i / (times - 1)) : 1;
-        // Compute the matrices of all nodes at once, because walking up from each is slow in deep hierarchies.
-        const std::vector<glm::dmat4> world = scene.world_matrices(scene.timeline.time_of(frame));
+        if (frame > 1) poses.go_to(scene.timeline.time_of(frame));
         for (std::size_t o = 0; o < boxes.size(); ++o) {
             const Object& object = scene.objects[o];
             const Box3& box = meshes[object.mesh];
             if (box.empty() || object.removed || (i > 0 && !object.dynamic)) continue;
-            for (int corner = 0; corner < 8; ++corner) {
-                const glm::dvec3 p(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
-                                   corner & 4 ? box.high.z : box.low.z);
-                const glm::vec3 q(transform_point(world[object.node], p));
-                if (is_finite(q)) boxes[o].box.add(q);
-            }
+            add_transformed(poses.world(object.node), box, boxes[o].box);
         }
     }
     for (std::size_t o = 0; o < boxes.size(); ++o) {

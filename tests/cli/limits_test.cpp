@@ -66,7 +66,7 @@ TEST(Limits, AChainOfNodesTakesItsLength)
         nodes += i + 1 < k_nodes ? fmt::format(R"({{"mesh":0,"translation":[0,0,0.0001],"children":[{}]}},)", i + 1)
                                  : R"({"mesh":0})";
     const fs::path scene = gltf_of(folder, nodes, "0");
-    const Outcome outcome = run_in(10, {"render", scene, "-o", folder / "a.png", "--size", "8x8", "--frame", "2"});
+    const Outcome outcome = run_in(6, {"render", scene, "-o", folder / "a.png", "--size", "8x8", "--frame", "2"});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
 }
 
@@ -80,7 +80,7 @@ TEST(Limits, CoincidentSurfacesAreJudgedOnce)
         roots += fmt::format("{}{}", i, i + 1 < k_nodes ? "," : "");
     }
     const fs::path scene = gltf_of(folder, nodes, roots);
-    const Outcome outcome = run_in(20, {"info", scene});
+    const Outcome outcome = run_in(2, {"info", scene});
     EXPECT_EQ(outcome.code, 0) << outcome.err;
 }
 

@@ -89,6 +89,26 @@ TEST(Report, CullingReportOpensInABrowser)
     EXPECT_EQ(nlohmann::json::parse(found["downloads"][0]["text"].get<std::string>()), outcome.json());
 }
 
+// Without this, a page that is never looked at would have no faults.
+TEST(Report, FaultsOfAPageAreSeen)
+{
+    NEED_CHROMIUM;
+    const ScratchFolder folder;
+    ASSERT_EQ(run({"bench", "culling", "builtin:cornell", "--frames", "1-3", "--size", "24x16", "--report",
+                   folder / "report"})
+                  .code,
+              0);
+    std::ofstream(folder / "report/index.html", std::ios::app)
+        << "<script>console.error('a complaint')</script><script>no_such_function()</script>"
+           "<img src=\"https://example.org/a.png\">";
+    const nlohmann::json found = look_at(folder / "report/index.html");
+    ASSERT_TRUE(found.is_object());
+    const std::string faults = found["faults"].dump();
+    EXPECT_NE(faults.find("a complaint"), std::string::npos) << faults;
+    EXPECT_NE(faults.find("no_such_function"), std::string::npos) << faults;
+    EXPECT_GE(found["faults"].size(), 3u) << faults;
+}
+
 TEST(Report, ShowsPublishedValuesAndTheCommand)
 {
     const ScratchFolder folder;

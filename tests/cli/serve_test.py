@@ -31,6 +31,13 @@ MALFORMED = int(sys.argv.pop(1)) if len(sys.argv) > 1 and sys.argv[1].isdigit() 
 REQUESTS = int(sys.argv.pop(1)) if len(sys.argv) > 1 and sys.argv[1].isdigit() else 240
 SEED = int(os.environ.get("SEED", "1"))
 SECONDS = float(os.environ.get("SECONDS", "0"))
+MOST_GROWTH = 8 << 20   # bytes, of a server that has answered many requests
+
+
+def memory_of(process):
+    """The memory of a process that is resident, in bytes."""
+    with open(f"/proc/{process}/statm") as statm:
+        return int(statm.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def matrix(x=0.0, y=0.0, z=0.0, scale=1.0):
@@ -336,11 +343,24 @@ class Serve(unittest.TestCase):
             status = self.server.render(fields | ({"near": "x"} if i % 7 == 6 else {}), scene)[0]
             self.assertEqual(status, 400 if i % 7 == 6 else 200)
             if i in (warm - 1, warm + REQUESTS - 1):
-                with open(f"/proc/{self.server.process.pid}/statm") as statm:
-                    used.append(int(statm.read().split()[1]) * os.sysconf("SC_PAGE_SIZE"))
-        self.assertLess(used[1] - used[0], 8 << 20, used)
+                used.append(memory_of(self.server.process.pid))
+        self.assertLess(used[1] - used[0], MOST_GROWTH, used)
         code, _, err = self.server.stop()
         self.assertEqual((code, err), (0, ""))
+
+    def test_growth_is_noticed(self):
+        # A process that keeps 60 KB of each of 200 requests.
+        grows = "import sys; kept = [print(flush=True) or bytearray(b'x' * 60000) for _ in sys.stdin]"
+        with subprocess.Popen([sys.executable, "-c", grows], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+            used = []
+            for i in range(201):
+                process.stdin.write("request\n")
+                process.stdin.flush()
+                process.stdout.readline()
+                if i in (0, 200):
+                    used.append(memory_of(process.pid))
+            process.stdin.close()
+        self.assertGreater(used[1] - used[0], MOST_GROWTH, used)
 
     def test_a_request_that_takes_too_long_is_ended(self):
         slow = Server("--request-time", "0.01", "--samples", "256")

@@ -91,6 +91,13 @@ if [[ -n ${LEAKS:-} ]]; then
     echo 'int dlclose(void* library) { return library == 0; }' | gcc -shared -fPIC -nostdlib -x c -o "$folder/keep.so" -
     preload=$folder/keep.so
     grep -q __asan_init "$program" || preload="$(gcc -print-file-name=liblsan.so) $preload"
+    # Without this, a sanitizer that is not active would find no leak either.
+    echo '#include <stdlib.h>
+        static void* volatile kept;
+        int main(void) { for (int i = 0; i < 64; ++i) kept = malloc(100); return 0; }' | gcc -x c -o "$folder/loses" -
+    if LD_PRELOAD="$(gcc -print-file-name=liblsan.so) $folder/keep.so" "$folder/loses" 2>/dev/null; then
+        echo "the leak sanitizer finds no leak"; exit 1
+    fi
     run=(env "LD_PRELOAD=$preload" ASAN_OPTIONS=verify_asan_link_order=0 GNOMON_VULKAN_VALIDATION=0 "$program")
 fi
 

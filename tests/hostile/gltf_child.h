@@ -26,10 +26,12 @@ struct Outcome {
     long peak_kib = 0;   // peak memory of the process
 };
 
-/// Allows 10 seconds and 512 MiB of address space (200 seconds and unlimited memory with a sanitizer).
-inline Outcome load_in_child(const std::filesystem::path& file, bool strict = false)
+/// Runs a function that loads a scene, and returns the number of its warnings, in a process of its own. Allows some
+/// seconds and 512 MiB of address space (unlimited memory with a sanitizer).
+template <class Load>
+Outcome run_in_child(const Load& load, rlim_t seconds = 10 * k_patience)
 {
-    constexpr rlim_t seconds = 10 * k_patience, bytes = 512ull << 20;
+    constexpr rlim_t bytes = 512ull << 20;
     int pipe_ends[2];
     if (pipe(pipe_ends) != 0) throw std::runtime_error("pipe failed");
     const pid_t child = fork();
@@ -42,8 +44,7 @@ inline Outcome load_in_child(const std::filesystem::path& file, bool strict = fa
         alarm(static_cast<unsigned>(12 * seconds));   // by the clock, if it sleeps: a busy machine takes longer
         std::string answer;
         try {
-            const scene::Scene scene = io::load_gltf(file, {}, {.strict = strict});
-            answer = "L" + std::to_string(scene.warnings.size());
+            answer = "L" + std::to_string(load());
         } catch (const InputError& error) {
             answer = "R" + error.file() + '\n' + error.place() + '\n' + error.what();
         } catch (const std::exception& error) {
@@ -81,6 +82,12 @@ inline Outcome load_in_child(const std::filesystem::path& file, bool strict = fa
         outcome.what = rest;
     }
     return outcome;
+}
+
+/// Allows 10 seconds, or 200 with a sanitizer.
+inline Outcome load_in_child(const std::filesystem::path& file, bool strict = false)
+{
+    return run_in_child([&] { return io::load_gltf(file, {}, {.strict = strict}).warnings.size(); });
 }
 
 }   // namespace gnomon::test

@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include <csignal>
 #include <fstream>
+#include <stdexcept>
 
 #include "gltf_child.h"
 #include "image_bytes.h"
@@ -54,6 +56,46 @@ std::string glb(std::string json, std::uint32_t claimed = 0)
     while (json.size() % 4) json += ' ';
     const auto size = static_cast<std::uint32_t>(json.size());
     return "glTF" + u32(2) + u32(claimed ? claimed : size + 20) + u32(size) + "JSON" + json;
+}
+
+// What the tests below look for in the process that loads a file: crashes, endless work, memory, and exceptions that
+// are not for the user.
+TEST(ChildProcess, TellsHowLoadingEnded)
+{
+    const auto none = [] { return std::size_t{0}; };
+    EXPECT_EQ(test::run_in_child(none).kind, Kind::loaded);
+    const test::Outcome refused =
+        test::run_in_child([]() -> std::size_t { throw InputError("a.gltf", "/nodes", "no"); });
+    EXPECT_EQ(refused.kind, Kind::refused);
+    EXPECT_EQ(refused.place, "/nodes");
+    const test::Outcome wrong = test::run_in_child([]() -> std::size_t { throw std::logic_error("a bug"); });
+    EXPECT_EQ(wrong.kind, Kind::other_error);
+    EXPECT_EQ(wrong.what, "a bug");
+    const test::Outcome crashed = test::run_in_child([&] { return ::raise(SIGSEGV) != 0 ? none() : none(); });
+    EXPECT_EQ(crashed.kind, Kind::died);
+    if (!test::k_sanitized) {
+        EXPECT_EQ(crashed.signal, SIGSEGV);   // a sanitizer prints, and ends the process itself
+    }
+    const test::Outcome endless = test::run_in_child(
+        [&] {
+            for (volatile bool ends = false; !ends;) {
+            }
+            return none();
+        },
+        1);
+    EXPECT_EQ(endless.kind, Kind::died);
+    EXPECT_TRUE(endless.signal == SIGXCPU || endless.signal == SIGKILL) << endless.signal;
+    // Twice what is allowed; and what is touched counts as its peak.
+    const auto take = [](std::size_t megabytes) {
+        return [megabytes] {
+            const std::string memory(megabytes << 20, 'x');
+            return static_cast<std::size_t>(memory.back() == 'y');
+        };
+    };
+    if (!test::k_sanitized) {
+        EXPECT_EQ(test::run_in_child(take(1024)).kind, Kind::other_error);
+    }
+    EXPECT_GT(test::run_in_child(take(100)).peak_kib, test::run_in_child(none).peak_kib + 90 * 1024);
 }
 
 TEST_F(HostileGltf, LoadsTheSmallestFile)

@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 
 #include <cmath>
+#include <csignal>
 #include <set>
 
 #include "hostile/made_scenes.h"
@@ -59,6 +60,35 @@ double processor_seconds_of_children()
     return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
+// What is wrong with how the program ended; empty if it did as expected.
+std::string fault_of(Expected expected, const Outcome& outcome, const fs::path& out)
+{
+    std::string fault;
+    const auto lines = std::count(outcome.err.begin(), outcome.err.end(), '\n');
+    if (outcome.code == 0) {
+        if (const std::size_t count = not_finite(out)) fault = std::to_string(count) + " numbers are not finite";
+        if (!outcome.err.empty()) fault = "says something on success";
+        if (expected == Expected::refused) fault = "ought to be refused";
+    } else if (outcome.code == 3) {
+        if (lines != 1 || !outcome.err.starts_with("gnomon: ")) fault = "not one line";
+        if (outcome.err.find_first_of("\x1b\x01\t") != std::string::npos) fault = "control characters";
+        if (fs::exists(out)) fault = "a file is left";
+        if (expected == Expected::image) fault = "ought to be shown";
+    } else if (outcome.code == 4 && expected == Expected::either) {
+        // More than the allowed memory.
+        if (lines != 1 || outcome.err.find("memory") == std::string::npos) fault = "not one line about memory";
+        if (fs::exists(out)) fault = "a file is left";
+    } else if (outcome.code == 2 && expected == Expected::either) {
+        // More lights than an .exr can hold.
+        if (lines != 1 || outcome.err.find(" lights; an .exr of ") == std::string::npos)
+            fault = "not one line about lights";
+        if (fs::exists(out)) fault = "a file is left";
+    } else {
+        fault = "exit code " + std::to_string(outcome.code);
+    }
+    return fault;
+}
+
 Result render(const MadeScene& scene)
 {
     const ScratchFolder folder;
@@ -77,28 +107,7 @@ Result render(const MadeScene& scene)
     result.seconds = processor_seconds_of_children() - before;
     result.code = outcome.code;
     result.line = outcome.err.substr(0, outcome.err.find('\n'));
-    const auto lines = std::count(outcome.err.begin(), outcome.err.end(), '\n');
-    if (outcome.code == 0) {
-        if (const std::size_t count = not_finite(out)) result.fault = std::to_string(count) + " numbers are not finite";
-        if (!outcome.err.empty()) result.fault = "says something on success";
-        if (scene.expected == Expected::refused) result.fault = "ought to be refused";
-    } else if (outcome.code == 3) {
-        if (lines != 1 || !outcome.err.starts_with("gnomon: ")) result.fault = "not one line";
-        if (outcome.err.find_first_of("\x1b\x01\t") != std::string::npos) result.fault = "control characters";
-        if (fs::exists(out)) result.fault = "a file is left";
-        if (scene.expected == Expected::image) result.fault = "ought to be shown";
-    } else if (outcome.code == 4 && scene.expected == Expected::either) {
-        // More than the allowed memory.
-        if (lines != 1 || outcome.err.find("memory") == std::string::npos) result.fault = "not one line about memory";
-        if (fs::exists(out)) result.fault = "a file is left";
-    } else if (outcome.code == 2 && scene.expected == Expected::either) {
-        // More lights than an .exr can hold.
-        if (lines != 1 || outcome.err.find(" lights; an .exr of ") == std::string::npos)
-            result.fault = "not one line about lights";
-        if (fs::exists(out)) result.fault = "a file is left";
-    } else {
-        result.fault = "exit code " + std::to_string(outcome.code);
-    }
+    result.fault = fault_of(scene.expected, outcome, out);
     return result;
 }
 
@@ -137,6 +146,35 @@ void render_all(const std::vector<MadeScene>& scenes, std::size_t step, bool tab
     }
     std::printf("%d images, %d refused, %d out of memory, %d faults; the longest %.2f s\n", images, refused, no_memory,
                 faults, longest);
+}
+
+// Each kind of fault that the tests below look for is found.
+TEST(MadeScenes, FaultsAreFound)
+{
+    const ScratchFolder folder;
+    const fs::path out = folder / "out.exr", none = folder / "none.exr";
+    const auto write = [&](float value) {
+        const std::vector<io::ExrLayer> layers{{"", {"R", "G", "B"}, {0, 1, value}}};
+        io::write_exr(out, {1, 1}, layers);
+    };
+    const Outcome done{0, "", ""}, refused{3, "", "gnomon: a.gltf: no\n"}, memory{4, "", "gnomon: no memory\n"};
+    write(2);
+    EXPECT_EQ(fault_of(Expected::image, done, out), "");
+    EXPECT_EQ(fault_of(Expected::refused, done, out), "ought to be refused");
+    EXPECT_EQ(fault_of(Expected::image, {0, "", "warning\n"}, out), "says something on success");
+    EXPECT_EQ(fault_of(Expected::refused, refused, out), "a file is left");
+    for (const float value : {std::nanf(""), HUGE_VALF}) {
+        write(value);
+        EXPECT_EQ(fault_of(Expected::image, done, out), "1 numbers are not finite");
+    }
+    EXPECT_EQ(fault_of(Expected::refused, refused, none), "");
+    EXPECT_EQ(fault_of(Expected::either, memory, none), "");
+    EXPECT_EQ(fault_of(Expected::image, refused, none), "ought to be shown");
+    EXPECT_EQ(fault_of(Expected::refused, {3, "", "gnomon: a\nb\n"}, none), "not one line");
+    EXPECT_EQ(fault_of(Expected::refused, {3, "", "gnomon: \x1b[2J\n"}, none), "control characters");
+    EXPECT_EQ(fault_of(Expected::either, {4, "", "gnomon: no driver\n"}, none), "not one line about memory");
+    EXPECT_EQ(fault_of(Expected::image, memory, none), "exit code 4");
+    EXPECT_EQ(fault_of(Expected::either, {-SIGSEGV, "", ""}, none), "exit code -11");
 }
 
 TEST(MadeScenes, SampleOfGltfRendersOrIsRefused)

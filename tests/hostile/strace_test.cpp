@@ -18,12 +18,11 @@ struct Trace {
     bool socket = false;
 };
 
-Trace trace_info(const std::filesystem::path& scene, const test::ScratchFolder& scratch)
+Trace trace_command(const std::string& traced, const test::ScratchFolder& scratch)
 {
     const std::filesystem::path log = scratch / "trace";
     const std::string command = fmt::format(
-        "strace -f -e trace=open,openat,openat2,creat,socket,connect -o '{}' '{}' info '{}' >/dev/null 2>&1",
-        log.string(), test::places::program, scene.string());
+        "strace -f -e trace=open,openat,openat2,creat,socket,connect -o '{}' {} >/dev/null 2>&1", log.string(), traced);
     const int status = std::system(command.c_str());
     (void)status;   // refused files end with an error, as expected
     Trace trace;
@@ -36,6 +35,11 @@ Trace trace_info(const std::filesystem::path& scene, const test::ScratchFolder& 
             trace.socket = true;
     }
     return trace;
+}
+
+Trace trace_info(const std::filesystem::path& scene, const test::ScratchFolder& scratch)
+{
+    return trace_command(fmt::format("'{}' info '{}'", test::places::program, scene.string()), scratch);
 }
 
 // Kernel files, and the one that ThreadSanitizer creates as each program starts.
@@ -51,6 +55,19 @@ bool have_strace()
     test::ScratchFolder scratch;
     const std::string command = fmt::format("strace -o '{}' true >/dev/null 2>&1", (scratch / "t").string());
     return std::system(command.c_str()) == 0;
+}
+
+// What the tests below look for is in the trace of a program that does it, in a process below it.
+TEST(SystemCalls, OpeningAFileAndASocketIsTraced)
+{
+    if (!have_strace()) GTEST_SKIP() << "no strace, or tracing is not permitted";
+    test::ScratchFolder scratch;
+    const std::string secret = (scratch / "secret").string();
+    std::ofstream(secret) << "x";
+    const Trace file = trace_command(fmt::format("bash -c '(cat {}; true)'", secret), scratch);
+    EXPECT_NE(std::find(file.opened.begin(), file.opened.end(), secret), file.opened.end());
+    EXPECT_FALSE(file.socket);
+    EXPECT_TRUE(trace_command("bash -c '(: </dev/tcp/127.0.0.1/1; true)'", scratch).socket);
 }
 
 TEST(SystemCalls, GltfOpensNothingOutsideItsFolder)

@@ -22,6 +22,7 @@ constexpr float k_radius = 0.78f;   // of the ball in the image, in half widths
 struct Ball {
     std::vector<Vec3> positions;
     std::vector<std::uint32_t> indices;
+    bool smooth = true;
 };
 
 // A ball of 2 segments (rings - 1) triangles. @param radius  negative: it faces inwards
@@ -57,7 +58,7 @@ void add(SceneBuilder& builder, const Ball& ball, const InstanceOptions& options
 {
     Mesh mesh;
     mesh.positions = ball.positions, mesh.indices = ball.indices;
-    mesh.normals = ball.positions;
+    if (ball.smooth) mesh.normals = ball.positions;
     builder.instance(builder.mesh(mesh),
                      builder.material({.base_color = {k_albedo, k_albedo, k_albedo}, .roughness = 1, .ior = 1}), {},
                      options);
@@ -202,6 +203,15 @@ TEST(SmoothMeshes, LookLikeThoseOfManyTriangles)
         EXPECT_LT(standing, 0.02) << c.name;
         EXPECT_LT(moving, 0.02) << c.name;
     }
+}
+
+// The comparison above finds facets.
+TEST(SmoothMeshes, FacetsAreFound)
+{
+    Ball flat = coarse();
+    flat.smooth = false;
+    for (const Lights& lights : {Lights(add_sun), Lights(add_square_light), Lights(add_uneven_sky)})
+        EXPECT_GT(difference(render(flat, lights, options()), render(fine(), lights, options())), 0.03);
 }
 
 // What lies above a smooth surface still hides lights: rays decide, not the normal.

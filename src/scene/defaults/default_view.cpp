@@ -9,7 +9,6 @@
 
 #include "base/check.h"
 #include "base/one_line.h"
-#include "scene/defaults/framing.h"
 #include "scene/defaults/surface_points.h"
 #include "scene/view.h"
 
@@ -43,13 +42,15 @@ glm::dmat4 matrix_of(const glm::dmat3& axes, const glm::dvec3& eye)
 }
 
 // Frames the scene from a direction.
-DefaultView view_from(const SceneState& state, const glm::dvec3& direction, const std::vector<char>& left_out)
+DefaultView view_from(const SceneState& state, const glm::dvec3& direction, const std::vector<char>& left_out,
+                      Survey* found)
 {
     FramingOptions options;
     options.left_out = left_out;
     options.back = glm::normalize(direction);
     options.vertical_fov = k_fov;
     const Framed framed = frame_clip(state.scene(), options);
+    if (found && left_out.empty()) found->clip = Framed{nullptr, glm::dmat3(1), framed.size, framed.box};
     DefaultView view;
     view.camera.name = "default camera";
     view.camera.vertical_fov = k_fov;
@@ -95,17 +96,17 @@ struct Outside {
 
 // The best of the directions from which objects are looked at.
 Outside best_outside(const SceneState& state, const Box3& box, const std::vector<char>& left_out,
-                     const DefaultViewOptions& options)
+                     const DefaultViewOptions& options, Survey* found)
 {
     const glm::dvec3 pleasant = pleasant_direction(box.size());
-    Outside best{view_from(state, pleasant, left_out)};
+    Outside best{view_from(state, pleasant, left_out, found)};
     const TestImage first = image_of(state, best.view);
     best.shown = first.shown();
     float most = rating(first);
     if (most >= options.enough || box.empty()) return best;
     for (const glm::dvec3& turned : {glm::dvec3(-1, 1, 1), glm::dvec3(1, 1, -1), glm::dvec3(-1, 1, -1),
                                      glm::dvec3(1, -1, 1), glm::dvec3(1, -1, -1)}) {
-        const DefaultView other = view_from(state, turned * pleasant, left_out);
+        const DefaultView other = view_from(state, turned * pleasant, left_out, found);
         const TestImage image = image_of(state, other);
         // Take another direction only if it shows clearly more.
         if (const float shows = rating(image); shows > most + 0.1f) most = shows, best = {other, image.shown()};
@@ -166,23 +167,26 @@ std::optional<Interior> believed_interior(const SceneState& state, const Default
     return room;
 }
 
-DefaultView choose_view(const SceneState& state, const DefaultViewOptions& options)
+DefaultView choose_view(const SceneState& state, const DefaultViewOptions& options, Survey* found)
 {
     const Box3 box = state.scene().bounds(state.time());
-    if (const auto room = believed_interior(state, options)) {
+    const auto room = believed_interior(state, options);
+    if (found) found->judged = true, found->room = room;
+    if (room) {
         DefaultView view = inside(*room, static_cast<double>(box.diagonal()));
         if (rating(image_of(state, view)) > 0) return view;
     }
     FramingOptions framing;
     framing.left_out = surrounding_objects(state);
     const Outside best = best_outside(state, framing.left_out.empty() ? box : frame_clip(state.scene(), framing).box,
-                                      framing.left_out, options);
+                                      framing.left_out, options, found);
     if (!framing.left_out.empty() || box.empty() || best.shown >= options.least_shown) return best.view;
 
     // Objects that are far apart are specks if all of them are in view.
     framing.left_out = all_but_largest_group(state);
     if (framing.left_out.empty()) return best.view;
-    const Outside nearer = best_outside(state, frame_clip(state.scene(), framing).box, framing.left_out, options);
+    const Outside nearer =
+        best_outside(state, frame_clip(state.scene(), framing).box, framing.left_out, options, found);
     return nearer.shown > options.least_shown ? nearer.view : best.view;
 }
 

@@ -9,6 +9,7 @@
 
 #include <optional>
 
+#include "scene/defaults/framing.h"
 #include "scene/defaults/interior.h"
 #include "scene/defaults/test_image.h"
 
@@ -29,7 +30,19 @@ struct DefaultView {
     glm::dvec3 eye{0};              // at CameraFit::k_node_aspect
 };
 
-DefaultView choose_view(const SceneState& state, const DefaultViewOptions& options = {});
+/// What the choice of a camera finds out about a scene, so that the choice of surroundings need not ask again. It holds
+/// as long as no object is added or changed.
+struct Survey {
+    bool judged = false;            // whether `room` is known
+    std::optional<Interior> room;   // believed_interior()
+    std::optional<Framed> clip;     // the box and the size of all objects, as box_of_clip() gives them
+};
+
+/// @param found  what was found out; may be null
+DefaultView choose_view(const SceneState& state, const DefaultViewOptions& options = {}, Survey* found = nullptr);
+
+/// add_default_camera() of scene.h, and what it found out.
+void add_default_camera(Scene& scene, Survey& found);
 
 /// Makes sure that the first camera of a scene that has some shows a surface at some time: if it does not, the next one
 /// that does comes first, or a default camera if none does. Says so in a warning. Orthographic cameras are not judged.

@@ -184,11 +184,17 @@ void add_default_light(Scene& scene)
 
 void add_default_camera(Scene& scene)
 {
+    Survey unused;
+    add_default_camera(scene, unused);
+}
+
+void add_default_camera(Scene& scene, Survey& found)
+{
     if (!scene.cameras.empty()) return;
     GNOMON_CHECK(!scene.child_begin.empty());
     // The pointer does not own the scene.
     const SceneState state(std::shared_ptr<const Scene>(std::shared_ptr<const Scene>(), &scene), scene.timeline.start);
-    DefaultView view = choose_view(state);
+    DefaultView view = choose_view(state, {}, &found);
     view.camera.node = add_looking_node(scene, "default camera", view.eye, -view.axes[2]);
     scene.cameras.push_back(view.camera);
     const char* const how = !view.room         ? "that frames the scene"

@@ -5,8 +5,10 @@
 #include <limits>
 #include <optional>
 
+#include "base/bits.h"
 #include "scene/convex_hull.h"
 #include "scene/file_surfaces.h"
+#include "scene/node_poses.h"
 
 namespace gnomon::scene {
 
@@ -60,32 +62,87 @@ struct Content {
     }
 };
 
-// Collects the vertices of objects.
-class Collector {
+// The objects of a scene in which nothing deforms, at one time after another.
+class RigidObjects {
  public:
-    explicit Collector(const Scene& scene) : used_(scene.meshes.size()) {}
-
-    void add(const SceneState& state, ObjectId id, Content& content)
+    static constexpr bool k_rigid = true;
+    RigidObjects(const Scene& scene, double time) : scene_(scene), poses_(scene, time) {}
+    void go_to(double time) { poses_.go_to(time); }
+    bool is_visible(ObjectId id) const
     {
-        if (!state.object_visible(id)) return;
-        const Object& object = state.scene().objects[id];
-        const Mesh& mesh = state.scene().meshes[object.mesh];
-        const glm::mat4 world = state.object_matrix(id);
-        const std::vector<glm::vec3>& positions = object.deforming ? state.deformed(id).positions : mesh.positions;
-        // A vertex may belong to many triangles, and to none.
-        std::vector<char>& used = used_[object.mesh];
-        if (used.empty()) {
-            used.resize(positions.size());
-            for (const glm::uvec3& triangle : mesh.triangles)
-                for (int i = 0; i < 3; ++i) used[triangle[i]] = 1;
-        }
-        for (std::size_t v = 0; v < positions.size(); ++v)
-            if (used[v])
-                if (const glm::vec3 p = transform_point(world, positions[v]); is_finite(p)) content.add(p);
+        return !scene_.objects[id].removed && poses_.visible(scene_.objects[id].node);
+    }
+    glm::mat4 matrix(ObjectId id) const { return glm::mat4(poses_.world(scene_.objects[id].node)); }
+    const std::vector<glm::vec3>& positions(ObjectId id) const
+    {
+        return scene_.meshes[scene_.objects[id].mesh].positions;
     }
 
  private:
-    std::vector<std::vector<char>> used_;   // by mesh and vertex
+    const Scene& scene_;
+    NodePoses poses_;
+};
+
+// Those of any scene.
+class AnyObjects {
+ public:
+    static constexpr bool k_rigid = false;
+    AnyObjects(const Scene& scene, double time) : state_({std::shared_ptr<const Scene>(), &scene}, time) {}
+    void go_to(double time) { state_.advance(time); }
+    bool is_visible(ObjectId id) const { return state_.object_visible(id); }
+    glm::mat4 matrix(ObjectId id) const { return state_.object_matrix(id); }
+    const std::vector<glm::vec3>& positions(ObjectId id) const
+    {
+        const Object& object = state_.scene().objects[id];
+        return object.deforming ? state_.deformed(id).positions : state_.scene().meshes[object.mesh].positions;
+    }
+
+ private:
+    SceneState state_;   // its pointer does not own the scene
+};
+
+// Collects the vertices of objects.
+class Collector {
+ public:
+    /// @param rigid  no object deforms
+    Collector(const Scene& scene, bool rigid) : scene_(scene), rigid_(rigid), used_(scene.meshes.size()) {}
+
+    template <class Objects>
+    void add(const Objects& objects, ObjectId id, Content& content)
+    {
+        if (!objects.is_visible(id)) return;
+        const glm::mat4 world = objects.matrix(id);
+        const std::vector<glm::vec3>& positions = objects.positions(id);
+        for (const std::uint32_t v : used_in(scene_.objects[id].mesh))
+            if (const glm::vec3 p = transform_point(world, positions[v]); is_finite(p)) content.add(p);
+    }
+
+ private:
+    // The vertices of a mesh's triangles. A vertex may belong to many triangles, and to none. Of few vertices, those in
+    // the place of others are left out, because many objects may show them.
+    const std::vector<std::uint32_t>& used_in(MeshId id)
+    {
+        std::optional<std::vector<std::uint32_t>>& list = used_[id];
+        if (list) return *list;
+        const Mesh& mesh = scene_.meshes[id];
+        std::vector<char> used(mesh.positions.size());
+        for (const glm::uvec3& triangle : mesh.triangles)
+            for (int i = 0; i < 3; ++i) used[triangle[i]] = 1;
+        list.emplace();
+        constexpr std::size_t k_few = 64;
+        for (std::uint32_t v = 0; v < used.size(); ++v) {
+            const bool repeated =
+                rigid_ && used.size() <= k_few && std::any_of(list->begin(), list->end(), [&](std::uint32_t other) {
+                    return same_bits(mesh.positions[v], mesh.positions[other]);
+                });
+            if (used[v] && !repeated) list->push_back(v);
+        }
+        return *list;
+    }
+
+    const Scene& scene_;
+    bool rigid_;
+    std::vector<std::optional<std::vector<std::uint32_t>>> used_;   // by mesh
 };
 
 // The number of times at which a clip is looked at.
@@ -100,13 +157,13 @@ int looks_at(const Scene& scene, const FramingOptions& options)
     return std::max(options.looks, static_cast<int>(std::min(frames, static_cast<double>(affordable))));
 }
 
-// Collects what a clip shows, from nothing but what `content` says.
-Content content_of_clip(const Scene& scene, const FramingOptions& options, Content content)
+template <class Objects>
+Content content_of(const Scene& scene, const FramingOptions& options, Content content)
 {
     const double start = scene.timeline.start, length = scene.timeline.end - start;
     const auto objects = static_cast<ObjectId>(scene.objects.size());
-    SceneState state({std::shared_ptr<const Scene>(), &scene}, start);   // the pointer does not own the scene
-    Collector collector(scene);
+    Objects at(scene, start);
+    Collector collector(scene, Objects::k_rigid);
     Content& first = content;
     // Begin with some objects all over the scene, so that most of the others lie within what these need.
     constexpr ObjectId k_stride = 64;
@@ -115,13 +172,13 @@ Content content_of_clip(const Scene& scene, const FramingOptions& options, Conte
     for (ObjectId id = 0; id < objects; ++id)
         if (id % k_stride != 0) order.push_back(id);
     std::erase_if(order, [&](ObjectId id) { return id < options.left_out.size() && options.left_out[id]; });
-    for (const ObjectId id : order) collector.add(state, id, first);
+    for (const ObjectId id : order) collector.add(at, id, first);
     std::erase_if(order, [&](ObjectId id) { return !scene.objects[id].dynamic; });
     Content all = first;
     const int looks = length > 0 ? looks_at(scene, options) : 1;
     for (int look = 1; look < looks; ++look) {
-        state.advance(start + length * look / (looks - 1));
-        for (const ObjectId id : order) collector.add(state, id, all);
+        at.go_to(start + length * look / (looks - 1));
+        for (const ObjectId id : order) collector.add(at, id, all);
     }
     // What has no size in the first frame, such as something that grows out of a point, says nothing.
     constexpr float k_point = 1e-6f;
@@ -132,6 +189,15 @@ Content content_of_clip(const Scene& scene, const FramingOptions& options, Conte
         for (int corner = 0; corner < 8; ++corner)
             result.add({corner & 1 ? 0.6f : -0.6f, corner & 2 ? 0.6f : -0.6f, corner & 4 ? 0.6f : -0.6f});
     return result;
+}
+
+// Collects what a clip shows, from nothing but what `content` says.
+Content content_of_clip(const Scene& scene, const FramingOptions& options, Content content)
+{
+    const bool deforms =
+        std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object& object) { return object.deforming; });
+    return deforms ? content_of<AnyObjects>(scene, options, std::move(content))
+                   : content_of<RigidObjects>(scene, options, std::move(content));
 }
 
 double size_of(const Content& content)

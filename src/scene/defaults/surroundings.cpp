@@ -94,9 +94,9 @@ bool looks_from_above(const Scene& scene, const SceneState& state, const Framed&
 }
 
 // Whether a scene is seen as a room that is open in front.
-bool before_stage(const Scene& scene)
+bool before_stage(const Scene& scene, const Survey& survey)
 {
-    const auto room = believed_interior(state_at_start(scene));
+    const auto room = survey.judged ? survey.room : believed_interior(state_at_start(scene));
     return room && room->stage;
 }
 
@@ -216,24 +216,28 @@ void add_ground(Scene& scene, const char* name)
     if (!scene.objects.empty()) add_ground_below(scene, name, box_of_clip(scene));
 }
 
-void add_surroundings(Scene& scene, const SurroundingsOptions& options)
+void add_surroundings(Scene& scene, const SurroundingsOptions& options, const Survey& survey)
 {
     GNOMON_CHECK(!scene.child_begin.empty());   // after finish()
     const bool has_own = !scene.lights.empty();
     bool ground = options.ground.value_or(false);
     std::optional<Framed> framed;   // of the clip, once it was needed
+    const auto clip = [&]() -> const Framed& {
+        if (survey.clip) return *survey.clip;
+        if (!framed) framed = box_of_clip(scene);
+        return *framed;
+    };
     const auto ground_suits = [&](const SceneState& state) {
         if (options.ground) return *options.ground;
         if (scene.objects.empty()) return false;
-        framed = box_of_clip(scene);
-        return looks_from_above(scene, state, *framed);
+        return looks_from_above(scene, state, clip());
     };
     const Reached reached = reached_by_lights(scene);
     if (!(has_own && reached.share >= options.enough_reached)) {
         const char* const why =
             has_own ? "no light in the scene reaches half of what is in view" : "no light in the scene";
         const SceneState state = state_at_start(scene);
-        const auto room = believed_interior(state);
+        const auto room = survey.judged ? survey.room : believed_interior(state);
         if (room && !room->stage) {
             add_light_of_place(scene, *room, why);
         } else if (is_landscape(state, options)) {
@@ -248,15 +252,14 @@ void add_surroundings(Scene& scene, const SurroundingsOptions& options)
             scene.warnings.push_back(fmt::format("{}: added a studio{}", why, ground ? " and a ground" : ""));
         }
     } else if (options.fill > 0 && reached.bright > 0 && reached.filled < options.enough_filled &&
-               !scene.objects.empty() && scene.cameras.front().fit && !before_stage(scene)) {
+               !scene.objects.empty() && scene.cameras.front().fit && !before_stage(scene, survey)) {
         // Objects before nothing, and shadows into which no light comes, are black.
         const glm::vec3 up = studio_environment()->irradiance({0, 1, 0});
         add_studio(scene, options, options.fill * reached.bright / luminance(up));
         scene.warnings.emplace_back("no surroundings in the scene: added a dim studio around what its lights reach");
     }
     if (ground && !scene.objects.empty())
-        add_ground_below(scene, options.ground ? k_wanted_ground : k_default_ground,
-                         framed ? *framed : box_of_clip(scene));
+        add_ground_below(scene, options.ground ? k_wanted_ground : k_default_ground, clip());
 }
 
 }   // namespace gnomon::scene

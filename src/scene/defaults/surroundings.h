@@ -9,6 +9,7 @@
 
 #include <optional>
 
+#include "scene/defaults/default_view.h"
 #include "scene/scene.h"
 
 namespace gnomon::scene {
@@ -27,7 +28,8 @@ struct SurroundingsOptions {
 };
 
 /// Call after finish(), add_emitter_lights() and add_default_camera(). Each addition gives a warning.
-void add_surroundings(Scene& scene, const SurroundingsOptions& options = {});
+/// @param survey  what add_default_camera() found out about the same scene, if anything
+void add_surroundings(Scene& scene, const SurroundingsOptions& options = {}, const Survey& survey = {});
 
 /// The names of the ground's node: one that came with the studio goes when other light replaces that.
 inline constexpr const char* k_default_ground = "default ground";

@@ -64,7 +64,8 @@ class Painter {
             low = glm::min(low, at[i]), high = glm::max(high, at[i]);
         }
         // A surface that lies exactly on one that was drawn changes no pixel. Small ones are drawn faster than found.
-        if ((high.x - low.x) * (high.y - low.y) > k_looked_up && !drawn_.insert({p, surface.seen})) return;
+        if ((high.x - low.x) * (high.y - low.y) > k_looked_up && !drawn_.insert({p, surface.seen, surface.object}))
+            return;
         const double area = (at[1].x - at[0].x) * (at[2].y - at[0].y) - (at[1].y - at[0].y) * (at[2].x - at[0].x);
         if (area == 0 || !std::isfinite(area)) return;
         const auto first = [](double v) { return static_cast<int>(std::ceil(std::max(v, 0.0) - 0.5)); };
@@ -72,6 +73,7 @@ class Painter {
         // A row meets the triangle between the crossings of its sides, one pixel more or less.
         const int left = first(low.x), right = last(high.x);
         const bool is_near = std::max({-low.x, -low.y, high.x, high.y}) < k_far;
+        const Plane plane(p, at, area, std::max({-low.x, -low.y, high.x, high.y, static_cast<double>(side)}));
         for (int y = first(low.y); y <= last(high.y); ++y) {
             double from = left, to = right;
             for (int i = 0; i < 3; ++i) {
@@ -84,6 +86,8 @@ class Painter {
             }
             for (int x = static_cast<int>(from); x <= static_cast<int>(to); ++x) {
                 const glm::dvec2 centre(x + 0.5, y + 0.5);
+                const std::size_t pixel = static_cast<std::size_t>(y) * side + x;
+                if (is_near && is_hidden(pixel, plane.most_at(centre), surface.seen)) continue;
                 double twice[3];   // the areas of three triangles with the centre as a corner
                 bool inside = true;
                 for (int i = 0; i < 3; ++i) {
@@ -94,17 +98,50 @@ class Painter {
                 if (!inside) continue;
                 double reciprocal = 0;
                 for (int i = 0; i < 3; ++i) reciprocal -= twice[i] / area / p[i].z;
-                if (reciprocal > 0) put(static_cast<std::size_t>(y) * side + x, 1 / reciprocal, whole, surface);
+                if (reciprocal > 0) put(pixel, 1 / reciprocal, whole, surface);
             }
         }
     }
 
+    // A bound of the reciprocal of a triangle's depth, by pixel: it rises evenly over the image.
+    class Plane {
+     public:
+        /// @param extent  no coordinate in the image exceeds it
+        Plane(const std::array<glm::dvec3, 3>& p, const glm::dvec2 (&at)[3], double area, double extent)
+        {
+            constexpr double k_rounding = 4e-13;   // of the products of coordinates below, many times over
+            double nearest = k_infinity;
+            for (int i = 0; i < 3; ++i) {
+                const glm::dvec2 &b = at[(i + 1) % 3], &c = at[(i + 2) % 3];
+                rise_ += glm::dvec2(c.y - b.y, b.x - c.x) / (area * p[i].z);
+                nearest = std::min(nearest, -p[i].z);
+            }
+            from_ = at[0];
+            most_ = -1 / p[0].z + k_rounding * (extent * extent / std::abs(area) + 1) / nearest;
+        }
+        double most_at(const glm::dvec2& centre) const { return most_ + glm::dot(rise_, centre - from_); }
+
+     private:
+        glm::dvec2 rise_{0}, from_{0};
+        double most_ = 0;
+    };
+
+    // Whether put() has no effect, because what was drawn is nearer.
+    bool is_hidden(std::size_t at, double most_reciprocal, bool seen) const
+    {
+        constexpr double k_nearer = 1 - 1e-6;
+        const TestPixel& pixel = image_.pixels[at];
+        const float drawn = seen ? std::max(pixel.first, pixel.depth) : pixel.first;
+        return most_reciprocal * static_cast<double>(drawn) < k_nearer;
+    }
+
+    // Of equally near surfaces, that of the first object is shown.
     void put(std::size_t at, double depth, const glm::dvec3 (&p)[3], const Surface& surface)
     {
         TestPixel& pixel = image_.pixels[at];
         const auto far = static_cast<float>(depth);
         pixel.first = std::min(pixel.first, far);
-        if (!surface.seen || !(far < pixel.depth)) return;
+        if (!surface.seen || !(far < pixel.depth || (far == pixel.depth && surface.object < pixel.object))) return;
         pixel.depth = far;
         pixel.object = surface.object, pixel.triangle = surface.triangle, pixel.from_behind = surface.from_behind;
         pixel.normal = surface.normal;
@@ -138,9 +175,11 @@ class Painter {
     struct Drawn {
         std::array<glm::dvec3, 3> p;
         bool seen = false;
-        bool operator==(const Drawn&) const = default;
+        ObjectId object = none;   // the first that was drawn
+        bool is_like(const Drawn& other) const { return p == other.p && seen == other.seen; }
     };
-    // A set of them: indices in a list, by hash, with linear probing.
+    // A set of them: indices in a list, by hash, with linear probing. One of an earlier object takes the place of
+    // another.
     class DrawnSet {
      public:
         bool insert(const Drawn& drawn)
@@ -153,8 +192,11 @@ class Painter {
                     list_.emplace_back(hash, drawn);
                     return true;
                 }
-                if (const auto& [other_hash, other] = list_[slots_[slot]]; other_hash == hash && other == drawn)
-                    return false;
+                auto& [other_hash, other] = list_[slots_[slot]];
+                if (other_hash != hash || !other.is_like(drawn)) continue;
+                if (other.object <= drawn.object) return false;
+                other.object = drawn.object;
+                return true;
             }
         }
 
@@ -188,6 +230,30 @@ class Painter {
     DrawnSet drawn_;
 };
 
+const std::vector<glm::vec3>& positions_of(const SceneState& state, ObjectId id)
+{
+    const Object& object = state.scene().objects[id];
+    return object.deforming ? state.deformed(id).positions : state.scene().meshes[object.mesh].positions;
+}
+
+// The visible objects, the nearest first, as far as their first vertices say: what is drawn hides most of what follows.
+std::vector<ObjectId> from_front(const SceneState& state, const glm::dmat3& to_camera, const glm::dvec3& eye)
+{
+    std::vector<std::pair<double, ObjectId>> order;
+    for (ObjectId id = 0; id < state.scene().objects.size(); ++id) {
+        if (!state.object_visible(id)) continue;
+        const std::vector<glm::vec3>& positions = positions_of(state, id);
+        if (positions.empty()) continue;
+        const glm::dvec3 first(transform_point(state.object_matrix(id), positions.front()));
+        const double depth = -(to_camera * (first - eye)).z;
+        order.emplace_back(std::isfinite(depth) ? depth : 0.0, id);
+    }
+    std::sort(order.begin(), order.end());
+    std::vector<ObjectId> result;
+    for (const auto& [depth, id] : order) result.push_back(id);
+    return result;
+}
+
 }   // namespace
 
 float TestImage::shown() const
@@ -214,12 +280,11 @@ TestImage draw_test_image(const SceneState& state, const glm::dvec3& eye, const 
     const Scene& scene = state.scene();
     std::vector<glm::vec3> at;
     std::vector<glm::dvec3> from_camera;
-    for (ObjectId id = 0; id < scene.objects.size(); ++id) {
+    for (const ObjectId id : from_front(state, to_camera, eye)) {
         interruption_point();
-        if (!state.object_visible(id)) continue;
         const Object& object = scene.objects[id];
         const Mesh& mesh = scene.meshes[object.mesh];
-        const std::vector<glm::vec3>& positions = object.deforming ? state.deformed(id).positions : mesh.positions;
+        const std::vector<glm::vec3>& positions = positions_of(state, id);
         const glm::mat4 world = state.object_matrix(id);
         const bool mirrored = glm::determinant(glm::mat3(world)) < 0;
         at.resize(positions.size());
