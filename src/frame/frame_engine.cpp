@@ -624,8 +624,9 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
 
 void FrameEngine::keep_tiles(trace::TracedOptions& traced)
 {
-    // The published culling learns from each first hit.
-    traced.keeps = options_.keep_image && plan_.shown == Shown::light && !plan_.reference && !nah_;
+    // The published culling learns from each first hit, and without culling every ray is traced.
+    traced.keeps = options_.keep_image && plan_.shown == Shown::light && !plan_.reference &&
+                   options_.shadow_culling == ShadowCulling::certified;
     traced.continues = continues_;
     // Leave half of what is left of the memory to tiles.
     if (limit_.bytes() == 0) return;

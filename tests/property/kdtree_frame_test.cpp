@@ -22,7 +22,8 @@ Clip render(const Scene& scene, Accelerator accelerator, ShadowCulling culling, 
     options.accelerator = accelerator;
     options.shadow_culling = culling;
     options.indirect = indirect;
-    options.bounces = 1;   // further ones carry what one ray sees at an edge through the whole scene
+    options.keep_image = false;   // the work of whole frames is counted
+    options.bounces = 1;          // further ones carry what one ray sees at an edge through the whole scene
     Renderer renderer(options);
     Clip clip;
     for (int frame = 5; frame < 9; ++frame) {

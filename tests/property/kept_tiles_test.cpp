@@ -121,7 +121,7 @@ TEST(KeptTiles, ImagesAreThoseOfNewRenderers)
 TEST(KeptTiles, ImagesOfOneSampleAndOneBounceAreThoseOfNewRenderers)
 {
     RenderOptions of = options();
-    of.samples = 1, of.bounces = 1, of.shadow_culling = ShadowCulling::off;
+    of.samples = 1, of.bounces = 1;
     expect_same_as_anew(of);
 }
 
@@ -159,18 +159,21 @@ TEST(KeptTiles, ClipsOfAStillCameraAreThoseOfNewRenderers)
     }
 }
 
-// Neither frames of a camera that moves nor measurements have any.
+// Neither frames of a camera that moves, nor measurements, nor frames that trace every shadow ray have any.
 TEST(KeptTiles, BelongToACameraThatStandsStill)
 {
     const World world;
     RenderOptions fresh = options();
     fresh.keep_image = false;
-    Renderer renderer(options()), measured(fresh);
+    RenderOptions every_ray = options();
+    every_ray.shadow_culling = ShadowCulling::off;
+    Renderer renderer(options()), measured(fresh), traced(every_ray);
     for (int frame = 0; frame < 5; ++frame) {
         FrameInput moves = input(0.1f * static_cast<float>(frame)), stands = input();
         moves.transforms = stands.transforms = {{NodeId(world.boxes[0]), World::placed(0, 0.1 * frame)}};
         EXPECT_GE(renderer.render(world.scene(), moves).counters.primary_rays, pixels(fresh));
         EXPECT_GE(measured.render(world.scene(), stands).counters.primary_rays, pixels(fresh));
+        EXPECT_GE(traced.render(world.scene(), stands).counters.primary_rays, pixels(fresh));
     }
 }
 
