@@ -28,7 +28,7 @@ k_skipped = 77
 # Rendering kinetic costs most in its first frame, and grows with its size: the rows are as small as shows what they are
 # about.
 k_short = [
-    ["builtin:cornell", "--size", "96x96", "--frames", "1-3"],
+    ["builtin:cornell", "--size", "96x96", "--frames", "1-5"],
     ["builtin:kinetic", "--size", "48x27", "--frames", "45-46"],
     ["builtin:kinetic", "--size", "32x18", "--frames", "45-45", "--samples", "4", "--sun-size", "2"],
     ["builtin:spheres?objects=30&dynamic=20", "--size", "96x96", "--frames", "1-3", "--indirect", "off"],
