@@ -57,13 +57,6 @@ std::size_t KeptTile::bytes() const
            blocks.capacity() * sizeof(Box3);
 }
 
-void KeptTile::clear()
-{
-    points.clear(), whole.clear(), whole_shadow_points.clear(), color.clear(), blocks.clear();
-    hits = {};
-    misses = false;
-}
-
 void KeptTiles::forget()
 {
     began_ = false;

@@ -21,10 +21,10 @@ struct World {
     std::optional<Scene> made;
     const Scene& scene() const { return *made; }
 
-    World()
+    explicit World(float roughness = 0)
     {
         grey = builder.material({.base_color = {0.6f, 0.5f, 0.4f}});
-        mirror = builder.material({.base_color = {1, 1, 1}, .metallic = 1, .roughness = 0});
+        mirror = builder.material({.base_color = {1, 1, 1}, .metallic = 1, .roughness = roughness});
         const std::vector<Vec3> square = {{-1, 0, -1}, {-1, 0, 1}, {1, 0, 1}, {1, 0, -1}};
         const std::vector<std::uint32_t> two = {0, 1, 2, 0, 2, 3};
         const MeshId flat = builder.mesh({.positions = square, .indices = two});
@@ -82,9 +82,9 @@ std::uint64_t pixels(const RenderOptions& of)
 }
 
 // Boxes move, vanish and come back; now and then a light or a material changes.
-void expect_same_as_anew(const RenderOptions& of, bool orthographic = false)
+void expect_same_as_anew(const RenderOptions& of, bool orthographic = false, float roughness = 0)
 {
-    const World world;
+    const World world(roughness);
     Renderer renderer(of);
     FrameInput all = input(0, orthographic);
     int kept_frames = 0;
@@ -123,6 +123,11 @@ TEST(KeptTiles, ImagesOfOneSampleAndOneBounceAreThoseOfNewRenderers)
     RenderOptions of = options();
     of.samples = 1, of.bounces = 1;
     expect_same_as_anew(of);
+}
+
+TEST(KeptTiles, RoughReflectionsAreThoseOfNewRenderers)
+{
+    expect_same_as_anew(options(), false, 0.35f);
 }
 
 TEST(KeptTiles, LightOfASunIsThatOfNewRenderers)
