@@ -199,6 +199,11 @@ MUTATIONS = (
     row("parts-above", "environment_light", "directions above the horizon count as below it",
         "src/environment_light/part_directions.cpp", "glm::dot(direction(leaf, part), normal) > least",
         "glm::dot(direction(leaf, part), normal) < least", "property:PartDirections.*"),
+    row("moving-cover", "environment_light", "a box covers fewer cells of directions than it may",
+        "src/environment_light/cell_dynamic.cpp", "k_room * (from_radius + farthest *", "0.1f * (from_radius + farthest *",
+        "property:DynamicCells.*"),
+    row("moving-guides", "environment_light", "cells that moving objects hide from all guides of a point are visible from it",
+        "src/environment_light/cell_dynamic.cpp", "mask[w] &= ~all_hidden;", "mask[w] &= ~0;", "property:DynamicCells.*"),
     # ---- irradiance_cache
     row("slices-never", "irradiance_cache", "slender triangles have parts of their own shape",
         "src/irradiance_cache/points/slices.cpp", "triangle.height > 0 && triangle.length > k_slender * triangle.height",

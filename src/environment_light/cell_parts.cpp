@@ -492,32 +492,43 @@ void CellVisibility::add_partials(const Query& query, std::size_t first) const
     }
 }
 
-// Asks for the shares of cells that dynamic objects may cover for a point, and takes the cells from those that are
-// wanted as a whole.
-void CellVisibility::divide_affected(const Query& query, std::size_t k) const
+// Finds the cells that dynamic objects may hide of which a point asks for shares: those that bring much of its light,
+// or of which it sees a share already.
+void CellVisibility::find_shared(const Query& query, std::size_t k) const
 {
-    using parts::k_of_quarter, parts::k_of_sixteenth;
     Scratch& scratch = query.scratch;
     const float unit = scratch.unit[k];
     const std::span<const PartialCell> partial = query.seen.partial_of(k);
     const bool divides = unit > 0 && level_of(most_luminance_, unit) > 0;
     if (!divides && partial.empty()) return;
-    const auto above = query.of(scratch.above, k), wanted = query.of(scratch.wanted, k);
-    const auto mask = query.seen.of(k);
-    for (std::size_t w = 0; w < above.size(); ++w)
-        for (std::uint64_t word = above[w] & scratch.affected[w]; word != 0; word &= word - 1) {
+    const auto touched = query.of(scratch.touched, k), shared = query.of(scratch.shared, k);
+    for (const PartialCell& cell : partial) set(shared, cell.leaf, has(scratch.affected, cell.leaf));
+    if (divides)
+        for_each_bit(touched, [&](std::size_t leaf) {
+            if (level_of(light_of(leaf, query.point(k).normal), unit) > 0) set(shared, leaf, true);
+        });
+    for (std::size_t w = 0; w < touched.size(); ++w) touched[w] |= shared[w];
+}
+
+// Asks for the shares of those of the wanted cells.
+void CellVisibility::divide_affected(const Query& query, std::size_t k) const
+{
+    using parts::k_of_quarter, parts::k_of_sixteenth;
+    Scratch& scratch = query.scratch;
+    const float unit = scratch.unit[k];
+    const bool divides = unit > 0 && level_of(most_luminance_, unit) > 0;
+    const std::span<const PartialCell> partial = query.seen.partial_of(k);
+    const auto wanted = query.of(scratch.wanted, k), shared = query.of(scratch.shared, k);
+    for (std::size_t w = 0; w < wanted.size(); ++w)
+        for (std::uint64_t word = wanted[w] & shared[w]; word != 0; word &= word - 1) {
             const std::size_t leaf = 64 * w + static_cast<std::size_t>(std::countr_zero(word));
             const auto at = std::ranges::lower_bound(partial, static_cast<std::uint32_t>(leaf), {}, &PartialCell::leaf);
-            const bool divided = at != partial.end() && at->leaf == leaf;
-            if (!divided && !has(mask, leaf)) continue;
             const int level = divides ? level_of(light_of(leaf, query.point(k).normal), unit) : 0;
-            if (level == 0 && !divided) continue;
-            wanted[w] &= ~(std::uint64_t{1} << (leaf % 64));
             Scratch::Divided of;
             of.asked = static_cast<std::uint32_t>(k), of.leaf = static_cast<std::uint32_t>(leaf);
             of.above = part_directions().above(leaf, query.point(k).normal, k_least_sine) &
                        (level > 1 ? k_of_sixteenth : k_of_quarter);
-            of.thorough = divided;
+            of.thorough = at != partial.end() && at->leaf == leaf;
             if (of.above != 0) scratch.divided.push_back(of);
         }
 }
@@ -543,7 +554,11 @@ void CellVisibility::take_dynamic_parts(const Query& query) const
         scratch.partial.assign(before.begin(), before.end());
         for (; d < scratch.divided.size() && scratch.divided[d].asked == k; ++d) {
             const Scratch::Divided& of = scratch.divided[d];
-            if (of.clear == of.above) continue;
+            if (of.clear == of.above) {
+                set(query.of(scratch.clear_of, k), of.leaf, true);
+                continue;
+            }
+            set(query.of(scratch.clear_of, k), of.leaf, false);
             const std::uint64_t counts = of.thorough && of.seen != 0 ? of.seen : of.above;
             const float clear =
                 static_cast<float>(std::popcount(of.clear & counts)) / static_cast<float>(std::popcount(counts));

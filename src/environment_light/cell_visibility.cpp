@@ -18,13 +18,6 @@ using visibility::TriangleId;
 // light.
 constexpr std::uint32_t k_probe_step = 64;
 
-// Which of the sets of probes a point has.
-std::uint32_t probes_of(const Guides& guides)
-{
-    return (guides.block * 16 + guides.number) * 0x9e3779b1u >> 26;
-}
-static_assert(k_probe_step == 1 << (32 - 26));
-
 }   // namespace
 
 void VisibilityCounters::add(const VisibilityCounters& other)
@@ -119,6 +112,14 @@ void CellVisibility::find_above(const Query& query, std::size_t k) const
     scratch.above_at = k;
 }
 
+// The mask of the cells that a point probes.
+const std::uint64_t* CellVisibility::probes_of(const Guides& guides) const
+{
+    static_assert(k_probe_step == 1 << (32 - 26));
+    const std::uint32_t kind = (guides.block * 16 + guides.number) * 0x9e3779b1u >> 26;
+    return probes_.data() + kind * cells_.words();
+}
+
 glm::vec3 CellVisibility::ray_direction(std::size_t leaf, const glm::vec3& normal) const
 {
     const glm::vec3& own = cells_.direction(leaf);
@@ -126,7 +127,8 @@ glm::vec3 CellVisibility::ray_direction(std::size_t leaf, const glm::vec3& norma
 }
 
 void CellVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points, std::span<const std::uint32_t> asked,
-                          std::span<const Guides> guides, PointMemory* memory, SeenCells& seen, std::size_t first) const
+                          std::span<const Guides> guides, PointMemory* memory, SeenCells& seen, std::size_t first,
+                          std::span<const Guides> moving) const
 {
     const bool moves = !surroundings_.dynamic_boxes().empty();
     if (first == 0) {
@@ -168,7 +170,9 @@ void CellVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points,
     }
     if (memory) remember(query, *memory);
     if (moves && !guides.empty()) scratch.at_rest = seen;
-    if (moves) test_dynamic(query);
+    if (!moves) return;
+    if (!moving.empty()) query.guides = moving;
+    test_dynamic(query);
 }
 
 // Finds what is proven or remembered of points on static objects.
@@ -202,15 +206,19 @@ void CellVisibility::look_up(const Query& query, PointMemory* memory) const
         if (known.masks && other_ && known.cells == other_->number_) read_other(query, k, known);
         if (!of_these) continue;
         ++scratch.counters.remembered;
+        scratch.known_of[k] = {static_cast<std::uint32_t>(scratch.known_parts.size()),
+                               static_cast<std::uint32_t>(known.parts.size())};
+        scratch.known_parts.insert(scratch.known_parts.end(), known.parts.begin(), known.parts.end());
+        if (PointMemory::has_all_bits(*own.masks)) {
+            for (std::size_t w = 0; w < words; ++w) sure[w] |= known.traced[w], free[w] |= known.seen[w];
+            continue;
+        }
         std::size_t i = 0;
         for_each_bit(own.masks->open, [&](std::size_t leaf) {
             sure[leaf / 64] |= (known.traced[i / 64] >> (i % 64) & 1) << (leaf % 64);
             free[leaf / 64] |= (known.seen[i / 64] >> (i % 64) & 1) << (leaf % 64);
             ++i;
         });
-        scratch.known_of[k] = {static_cast<std::uint32_t>(scratch.known_parts.size()),
-                               static_cast<std::uint32_t>(known.parts.size())};
-        scratch.known_parts.insert(scratch.known_parts.end(), known.parts.begin(), known.parts.end());
     }
 }
 
@@ -220,10 +228,10 @@ void CellVisibility::read_other(const Query& query, std::size_t k, const PointMe
     Scratch& scratch = query.scratch;
     const auto sure = query.of(scratch.known, k), free = query.of(scratch.free, k);
     const glm::vec3& normal = query.point(k).normal;
+    const bool all = PointMemory::has_all_bits(*known.masks);
     std::size_t i = 0;
     for_each_bit(known.masks->open, [&](std::size_t there) {
-        const std::size_t word = i / 64, bit = i % 64;
-        ++i;
+        const std::size_t at = all ? there : i++, word = at / 64, bit = at % 64;
         const std::int32_t leaf = leaf_of_other_[there];
         if (leaf < 0 || (known.traced[word] >> bit & 1) == 0) return;
         const auto own = static_cast<std::size_t>(leaf);
@@ -356,7 +364,7 @@ void CellVisibility::decide_guided(const Query& query, int pass) const
         const auto above = query.of(scratch.above, k), wanted = query.of(scratch.wanted, k),
                    agreed = query.of(scratch.agreed, k);
         const auto mask = query.seen.of(k);
-        const std::uint64_t* probes = probes_.data() + probes_of(guide) * words;
+        const std::uint64_t* const probes = probes_of(guide);
         const auto between = query.of(scratch.between, k);
         for (std::size_t w = 0; w < words; ++w) {
             std::uint64_t all_see = ~std::uint64_t{0}, none_sees = ~std::uint64_t{0}, above_all = ~std::uint64_t{0};
@@ -516,82 +524,25 @@ void CellVisibility::remember(const Query& query, PointMemory& memory) const
         const Scratch::Asked& own = scratch.asked[k];
         if (!own.is_static || !own.fresh) continue;
         const auto known = query.of(scratch.known, k), free = query.of(scratch.free, k);
-        std::size_t open = 0;
-        for (const std::uint64_t word : own.masks->open) open += static_cast<std::size_t>(std::popcount(word));
-        const std::size_t words = (open + 63) / 64;
-        scratch.bits.assign(2 * words, 0);
-        std::size_t i = 0;
-        for_each_bit(own.masks->open, [&](std::size_t leaf) {
-            scratch.bits[i / 64] |= (known[leaf / 64] >> (leaf % 64) & 1) << (i % 64);
-            scratch.bits[words + i / 64] |= (free[leaf / 64] >> (leaf % 64) & 1) << (i % 64);
-            ++i;
-        });
+        const std::span<const std::uint64_t> open = own.masks->open;
+        if (PointMemory::has_all_bits(*own.masks)) {
+            scratch.bits.resize(2 * open.size());
+            for (std::size_t w = 0; w < open.size(); ++w)
+                scratch.bits[w] = known[w] & open[w], scratch.bits[open.size() + w] = free[w] & open[w];
+        } else {
+            std::size_t count = 0;
+            for (const std::uint64_t word : open) count += static_cast<std::size_t>(std::popcount(word));
+            const std::size_t words = (count + 63) / 64;
+            scratch.bits.assign(2 * words, 0);
+            std::size_t i = 0;
+            for_each_bit(open, [&](std::size_t leaf) {
+                scratch.bits[i / 64] |= (known[leaf / 64] >> (leaf % 64) & 1) << (i % 64);
+                scratch.bits[words + i / 64] |= (free[leaf / 64] >> (leaf % 64) & 1) << (i % 64);
+                ++i;
+            });
+        }
         memory.add(query.point(k), *own.masks, number_, scratch.bits, scratch.own_parts);
     }
-}
-
-// Finds the cells that a box may cover from somewhere in a sphere, and adds them to those affected.
-void CellVisibility::cover(Scratch& scratch, const glm::vec3& from, float from_radius, const Box3& box) const
-{
-    constexpr float k_room = 1.0001f;
-    const glm::vec3 way = box.centre() - from;
-    const float distance = glm::length(way), radius = k_room * (from_radius + 0.5f * box.diagonal());
-    if (!(distance > radius)) {
-        std::fill(scratch.affected.begin(), scratch.affected.end(), ~std::uint64_t{0});
-        return;
-    }
-    const glm::vec3 axis = way / distance;
-    const float sine = std::min(radius / distance * k_room, 1.0f), cosine = std::sqrt(1 - sine * sine);
-    scratch.stack.clear();
-    for (std::uint32_t r = 0; r < cells_.roots(); ++r) scratch.stack.push_back(r);
-    while (!scratch.stack.empty()) {
-        const DirectionNode& node = cells_.nodes()[scratch.stack.back()];
-        scratch.stack.pop_back();
-        // Whether the angle between the axes is at most the sum of both half-angles.
-        const float own_sine = std::sqrt(std::max(0.0f, 1 - node.cosine * node.cosine));
-        const float sum_cosine = cosine * node.cosine - sine * own_sine;   // both are below 90 degrees
-        constexpr float k_rounding = 1e-4f;
-        if (glm::dot(axis, node.axis) < sum_cosine - k_rounding) continue;
-        if (node.children == 0)
-            scratch.affected[node.first_leaf / 64] |= std::uint64_t{1} << (node.first_leaf % 64);
-        else
-            for (std::uint32_t q = 0; q < node.count; ++q) scratch.stack.push_back(node.children + q);
-    }
-}
-
-// Takes away what dynamic objects hide from points of static ones.
-void CellVisibility::test_dynamic(const Query& query) const
-{
-    Scratch& scratch = query.scratch;
-    const std::size_t words = query.seen.words;
-    std::vector<std::uint32_t> block;
-    scratch.divided.clear();
-    for (std::size_t k = query.first; k <= query.count(); ++k) {
-        if (k < query.count() && scratch.asked[k].is_static) block.push_back(static_cast<std::uint32_t>(k));
-        if (block.size() < k_block && k < query.count()) continue;
-        if (block.empty()) continue;
-        Box3 box;
-        for (const std::uint32_t b : block) box.add(query.point(b).origin);
-        scratch.affected.assign(words, 0);
-        for (const Box3& blocker : surroundings_.dynamic_boxes())
-            cover(scratch, box.centre(), 0.5f * box.diagonal(), blocker);
-        for (const std::uint32_t b : block) {
-            for (std::size_t w = 0; w < words; ++w)
-                scratch.wanted[b * words + w] = query.seen.of(b)[w] & scratch.affected[w];
-            if (query.coarse(b))
-                leave_stand_ins(query, b);
-            else
-                divide_affected(query, b);
-        }
-        push_rays(query, block);
-        block.clear();
-        if (scratch.queue.size() >= k_rays_at_once)
-            flush(query, ray::Against::dynamic_only, false, scratch.counters.dynamic_rays);
-    }
-    flush(query, ray::Against::dynamic_only, false, scratch.counters.dynamic_rays);
-    for (std::size_t k = query.first; k < query.count(); ++k)
-        if (scratch.asked[k].is_static && query.coarse(k)) follow_hidden(query, k);
-    take_dynamic_parts(query);
 }
 
 }   // namespace gnomon::environment_light

@@ -5,8 +5,8 @@
 // A cell is visible from a point if a ray in the cell's own direction leaves the scene. Most rays are not needed: what
 // is proven of the point's part (cell_proofs.h) says what they would find, and what rays found at a point of a static
 // surface is remembered (point_memory.h) as long as the view asks for the point. Dynamic objects are not part of
-// either: rays go against them alone, to visible cells that the sphere around one may cover. Points on dynamic objects
-// trace rays against everything.
+// either: rays go against them alone, to visible cells that the box of one may cover. Points on dynamic objects trace rays
+// against everything.
 //
 // Cells whose mean direction lies below the surface are not visible. Where the own direction of a cell at the horizon
 // lies below, its mean direction stands in.
@@ -20,7 +20,7 @@
 // Where points of a smooth surface lie close together, as in an image, most cells are visible from all of them, or from
 // none. A point may therefore have guides around it: rays then go to those cells alone on which the guides do not
 // agree, and to a few others as probes. A cell that a probe finds to be otherwise is traced from all points of the
-// block. Of a sun, rays go to its rim first (LeafGroup). Where a coarse answer will do, a few cells stand in for all.
+// block. The same is done once more for what dynamic objects hide. Of a sun, rays go to its rim first (LeafGroup). Where a coarse answer will do, a few cells stand in for all.
 //
 // The answer to a point does not depend on what was proven or remembered, nor on the order of questions, but on its
 // guides.
@@ -142,6 +142,9 @@ class CellVisibility {
         std::vector<std::uint64_t> following;           // wanted followers of scouts
         std::vector<std::uint64_t> agreed, contested;   // by guided point; by block
         std::vector<std::uint64_t> affected;            // cells that a dynamic object may cover
+        // Of static points: visible cells that dynamic objects may hide; those of them of which shares are asked for;
+        // cells that dynamic objects do not hide, as far as that is known; cells that they do.
+        std::vector<std::uint64_t> touched, shared, clear_of, hidden_by;
         glm::vec3 above_normal{0};
         std::size_t above_at = 0;   // the last point with that normal
         SeenCells at_rest;          // what points with guides see past static objects; only where something moves
@@ -175,11 +178,14 @@ class CellVisibility {
     /// @param guides  by asked point, or empty: cells that all guides of a point see, or none, are taken to be as they
     ///                are there, unless one of the probes of the block says otherwise
     /// @param memory  of static points; null: nothing is remembered
+    /// @param moving  the same for what dynamic objects hide, which hides few cells for points farther apart as well;
+    ///                empty: as `guides`
     /// @param first   the asked points before this one are those of the last call, with the same scratch, guides and
     ///                answers: only the others are answered, and these may have guides among all. What `seen` says of
     ///                the former is then without what moves.
     void find(Scratch& scratch, std::span<const visibility::ShadowPoint> points, std::span<const std::uint32_t> asked,
-              std::span<const Guides> guides, PointMemory* memory, SeenCells& seen, std::size_t first = 0) const;
+              std::span<const Guides> guides, PointMemory* memory, SeenCells& seen, std::size_t first = 0,
+              std::span<const Guides> moving = {}) const;
 
     /// Takes over what is proven and remembered for other cells, of another image, where both have the same leaves.
     /// Call before the first question. What points remember of the others can be read until forget_other().
@@ -205,14 +211,21 @@ class CellVisibility {
     void follow_families(const Query& query, std::size_t k) const;
     void follow(const Query& query, std::size_t k, std::size_t first, std::size_t leaves, bool some_seen,
                 bool some_hidden) const;
-    void test_dynamic(const Query& query) const;
     void leave_stand_ins(const Query& query, std::size_t k) const;
     void follow_hidden(const Query& query, std::size_t k) const;
     void decide_wanted(const Query& query, int pass) const;
     void push_rays(const Query& query, std::span<const std::uint32_t> block) const;
     void flush(const Query& query, ray::Against against, bool sets, std::uint64_t& count) const;
-    void cover(Scratch& scratch, const glm::vec3& from, float from_radius, const Box3& box) const;
+    const std::uint64_t* probes_of(const Guides& guides) const;
     void remember(const Query& query, PointMemory& memory) const;
+    // cell_dynamic.cpp
+    void cover(Scratch& scratch, const glm::vec3& from, float from_radius, const Box3& box) const;
+    void test_dynamic(const Query& query) const;
+    void find_affected(const Query& query) const;
+    void follow_guides(const Query& query, std::size_t k) const;
+    void contest(const Query& query, std::size_t k) const;
+    void decide_dynamic(const Query& query, int pass) const;
+    void note_found(const Query& query, std::size_t k, std::span<const std::uint64_t> decided) const;
     // cell_parts.cpp
     void divide(const Query& query, int pass) const;
     void measure_light(const Query& query, std::size_t k) const;
@@ -228,6 +241,7 @@ class CellVisibility {
     void push_parts(const Query& query, std::size_t first, int round, bool on_dynamic, ray::Against against,
                     std::uint64_t& count) const;
     void flush_parts(const Query& query, ray::Against against, std::uint64_t& count) const;
+    void find_shared(const Query& query, std::size_t k) const;
     void divide_affected(const Query& query, std::size_t k) const;
     void take_dynamic_parts(const Query& query) const;
     float light_of(std::size_t leaf, const glm::vec3& normal) const;

@@ -189,6 +189,34 @@ void EnvironmentLighting::find_guides(const PointBatch& batch, std::span<const s
             for (const std::uint32_t corner : guides_[k].corner) guides_[corner].guides = true;
 }
 
+// For what moves, gives the points of the lattice of pixels others of a lattice twice as wide as guides. Most of what
+// static objects leave is clear of moving ones at all points of a tile, or hidden.
+// @param points  as in find_guides(); those that have guides_ are asked
+void EnvironmentLighting::find_guides_of_moving(const PointBatch& batch, std::span<const std::uint32_t> points)
+{
+    const Tile& tile = batch.tile;
+    const auto side = static_cast<std::uint32_t>(tile.side);
+    moving_guides_ = guides_;
+    if (batch.scattered()) return;
+    for (std::uint32_t k = 0; k < guides_.size(); ++k) {
+        Guides& own = moving_guides_[k];
+        if (own.pass != 0) {
+            ++own.pass;
+            continue;
+        }
+        const TilePoint& point = batch.points[points[k]];
+        const auto x = static_cast<int>(point.pixel % side), y = static_cast<int>(point.pixel / side);
+        constexpr int k_wide = 2 * k_lattice;
+        const bool wide = (x % k_wide == 0 || x == tile.width - 1) && (y % k_wide == 0 || y == tile.height - 1);
+        if (wide || own.coarse || !own.guides) continue;
+        const Guides found = guides_of(batch, points, k, guides_.size(), k_wide, 1);
+        if (found.pass == 0 || std::ranges::any_of(found.corner, [&](std::uint32_t c) { return guides_[c].coarse; }))
+            continue;
+        own = found;
+        own.guides = true;
+    }
+}
+
 // Finds what the asked points see: by the lattice's places where these are alike, else by themselves.
 // @param before  of the asked points, those that are answered already
 void EnvironmentLighting::find_seen(const PointBatch& batch, std::size_t tile, std::size_t before)
@@ -230,8 +258,9 @@ void EnvironmentLighting::find_seen(const PointBatch& batch, std::size_t tile, s
     }
     asked_places_.resize(places_.own());
     std::iota(asked_places_.begin(), asked_places_.end(), 0u);
+    if (light.anything_moves()) find_guides_of_moving(batch, follow_);
     light.visibility().find(own_scratch_, places_.places(), asked_places_, guides_, technique_.memory(tile), seen_,
-                            before);
+                            before, moving_guides_);
     if (passing_.any()) find_passing(batch, before);
     find_shared();
 }

@@ -116,6 +116,7 @@ class EnvironmentLighting {
     environment_light::Guides guides_of(const PointBatch& batch, std::span<const std::uint32_t> points, std::uint32_t k,
                                         std::size_t answered, int step, int pass) const;
     void find_guides(const PointBatch& batch, std::span<const std::uint32_t> points, std::size_t answered);
+    void find_guides_of_moving(const PointBatch& batch, std::span<const std::uint32_t> points);
     void find_seen(const PointBatch& batch, std::size_t tile, std::size_t before);
     void find_passing(const PointBatch& batch, std::size_t before);
     void find_shared();
@@ -153,6 +154,7 @@ class EnvironmentLighting {
     std::vector<std::uint32_t> between_leaves_;
     std::vector<std::uint32_t> asked_places_;         // all places
     std::vector<environment_light::Guides> guides_;   // by asked place or point; empty: none has any
+    std::vector<environment_light::Guides> moving_guides_;   // likewise, for what moves
     std::vector<std::uint32_t> asked_of_pixel_;
     std::vector<std::uint64_t> smooth_seen_;   // of one point of a smooth mesh
     // Points to which a sun's disc is partly behind the triangle, but not behind the smooth horizon.
