@@ -5,8 +5,8 @@
 // A cell is visible from a point if a ray in the cell's own direction leaves the scene. Most rays are not needed: what
 // is proven of the point's part (cell_proofs.h) says what they would find, and what rays found at a point of a static
 // surface is remembered (point_memory.h) as long as the view asks for the point. Dynamic objects are not part of
-// either: rays go against them alone, to visible cells that the box of one may cover. Points on dynamic objects trace rays
-// against everything.
+// either: rays go against them alone, to visible cells that the box of one may cover. Points on dynamic objects trace
+// rays against everything.
 //
 // Cells whose mean direction lies below the surface are not visible. Where the own direction of a cell at the horizon
 // lies below, its mean direction stands in.
@@ -20,7 +20,8 @@
 // Where points of a smooth surface lie close together, as in an image, most cells are visible from all of them, or from
 // none. A point may therefore have guides around it: rays then go to those cells alone on which the guides do not
 // agree, and to a few others as probes. A cell that a probe finds to be otherwise is traced from all points of the
-// block. The same is done once more for what dynamic objects hide. Of a sun, rays go to its rim first (LeafGroup). Where a coarse answer will do, a few cells stand in for all.
+// block. The same is done once more for what dynamic objects hide. Of a sun, rays go to its rim first (LeafGroup).
+// Where a coarse answer will do, a few cells stand in for all.
 //
 // The answer to a point does not depend on what was proven or remembered, nor on the order of questions, but on its
 // guides.

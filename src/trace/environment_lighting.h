@@ -152,8 +152,8 @@ class EnvironmentLighting {
     std::vector<std::uint64_t> between_mask_;   // what one point sees by the places around it
     std::vector<environment_light::PartialCell> between_partial_;
     std::vector<std::uint32_t> between_leaves_;
-    std::vector<std::uint32_t> asked_places_;         // all places
-    std::vector<environment_light::Guides> guides_;   // by asked place or point; empty: none has any
+    std::vector<std::uint32_t> asked_places_;                // all places
+    std::vector<environment_light::Guides> guides_;          // by asked place or point; empty: none has any
     std::vector<environment_light::Guides> moving_guides_;   // likewise, for what moves
     std::vector<std::uint32_t> asked_of_pixel_;
     std::vector<std::uint64_t> smooth_seen_;   // of one point of a smooth mesh

@@ -24,20 +24,26 @@ Transform upright()
     return Transform::rotation({1, 0, 0}, 1.5707963267948966);
 }
 
+void add_camera(SceneBuilder& builder, const Vec3& eye, const Vec3& target, double field_of_view)
+{
+    Camera camera;
+    camera.transform = Transform::look_at(eye, target);
+    camera.vertical_fov = field_of_view;
+    builder.camera(camera);
+}
+
 // Completes a scene by an even sky and a camera.
 Scene finish(SceneBuilder& builder, const Vec3& eye, const Vec3& target, double field_of_view)
 {
     const std::vector<float> sky(2 * 3, 1.0f);
     builder.environment({.width = 2, .height = 1, .pixels = sky});
-    Camera camera;
-    camera.transform = Transform::look_at(eye, target);
-    camera.vertical_fov = field_of_view;
-    builder.camera(camera);
+    add_camera(builder, eye, target, field_of_view);
     return builder.finish();
 }
 
-// A white block on a white floor under an even sky, seen closely where they meet.
-Scene foot_of_a_block()
+// A white block on a white floor, seen closely where they meet, under an even sky or under a light that shines straight
+// down.
+Scene foot_of_a_block(bool sky = true)
 {
     SceneBuilder builder;
     const MaterialId white = builder.material({.base_color = {0.8f, 0.8f, 0.8f}, .roughness = 1, .ior = 1});
@@ -45,7 +51,11 @@ Scene foot_of_a_block()
     builder.instance(sheet, white, Transform::scaling(4, 1, 4));
     builder.instance(sheet, white, Transform::translation(0, 0.5, 0) * upright() * Transform::scaling(2, 1, 1));
     builder.instance(sheet, white, Transform::translation(0, 1, -0.5) * Transform::scaling(2, 1, 1));
-    return finish(builder, {0.35f, 0.35f, 1.2f}, {0.3f, 0, 0}, 0.25);
+    const Vec3 eye(0.35f, 0.35f, 1.2f), target(0.3f, 0, 0);
+    if (sky) return finish(builder, eye, target, 0.25);
+    builder.light({.type = LightType::directional, .color = {3, 3, 3}}, Transform::rotation({1, 0, 0}, -1.5707963));
+    add_camera(builder, eye, target, 0.25);
+    return builder.finish();
 }
 
 std::vector<float> indirect_of(const Frame& frame)
@@ -102,6 +112,46 @@ TEST(NearPatches, LightAtTheFootOfAWallIsThatOfTheReference)
             const auto at = [&](int row) { return image[static_cast<std::size_t>(3 * (row * k_size + x))]; };
             EXPECT_GT(at(y), 0.85f * std::min(at(y - 1), at(y + 1))) << x << ' ' << y;
         }
+}
+
+// Before a floor that is far brighter than all else, light at the foot of a wall comes from close by, and goes on
+// beside the pixel as well. It does not go up and down along the foot, nor is it that from farther up.
+TEST(NearPatches, TheFootOfAWallBeforeABrightFloorIsEven)
+{
+    constexpr int k_size = 64;
+    const Scene scene = foot_of_a_block(false);
+    RenderOptions options;
+    options.size = {k_size, k_size};
+    options.layers = true;
+    const std::vector<float> image = indirect_of(Renderer(options).render(scene, 1));
+    options.reference = ReferenceLightOptions{512, 32, 0};
+    const std::vector<double> truth = blocks(indirect_of(Renderer(options).render(scene, 1)), k_size),
+                              got = blocks(image, k_size);
+    double square = 0, sum = 0, sum_truth = 0, most = 0;
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+        const double error = got[i] - truth[i];
+        square += error * error, sum += got[i], sum_truth += truth[i];
+        most = std::max(most, std::abs(error) / truth[i]);
+    }
+    const double mean = sum_truth / static_cast<double>(truth.size());
+    const double nrmse = std::sqrt(square / static_cast<double>(truth.size())) / mean;
+    float uneven = 0;
+    for (int y = 0; y < k_size; ++y)
+        for (int x = 1; x + 1 < k_size; ++x) {
+            const auto at = [&](int column) { return image[static_cast<std::size_t>(3 * (y * k_size + column))]; };
+            uneven = std::max(uneven, std::abs(at(x) / (0.5f * (at(x - 1) + at(x + 1))) - 1));
+        }
+    RecordProperty("nrmse", std::to_string(nrmse));
+    RecordProperty("most", std::to_string(most));
+    RecordProperty("energy", std::to_string(sum / sum_truth));
+    RecordProperty("uneven", std::to_string(uneven));
+    EXPECT_GT(mean, 0.1);
+    // .128, .22 and .974 where near light is left out of cache points that are farther apart than it reaches.
+    EXPECT_LE(nrmse, 0.02);
+    EXPECT_LE(most, 0.1);
+    EXPECT_NEAR(sum / sum_truth, 1, 0.01);
+    // .032 where the light of points that lie close to the foot is left out of all levels.
+    EXPECT_LE(uneven, 0.0305);
 }
 
 // A luminous plate that lies almost on a floor, before a wall, under an even sky. Light bounces between the plate and

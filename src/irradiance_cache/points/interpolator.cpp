@@ -54,6 +54,7 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
     for (const CollectedCell& cell : work.cells)
         interpolate_cell(cell.anchors, reach_of(cell), work.lattice_points, cell.first, cell.end - cell.first, light_);
     leave_out_hidden(frame, points, work, counters);
+    find_steep(work);
     std::size_t kept = 0;
     for (std::size_t k = 0; k < work.lattice.size(); ++k) {
         LatticeRequest request = work.lattice[k];
@@ -66,6 +67,9 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
         float weight = frame.fade_in(frame.options.widest * point.width / spacing - 1) * finest;
         weight *= std::clamp((light_.weight[k] - k_least_weight) / (k_full_weight - k_least_weight), 0.0f, 1.0f);
         weight = request.weight * weight;
+        // Leave to the next level, if there is one, what comes from points whose light changes too much within a
+        // spacing.
+        weight *= 1 - steep_[k];
         // Let this level provide an invisible rest, too; all weights still sum to 1.
         if (const float rest = request.weight - weight; rest < 2 * k_least_rest)
             weight = std::min(request.weight, request.weight - 2 * std::max(rest - k_least_rest, 0.0f));
@@ -134,6 +138,25 @@ void Interpolator::leave_out_hidden(const CacheFrame& frame, std::span<const Ind
         interpolate_cell(seen, reach_of(cell), work.lattice_points, k, 1, around_);
         light_.r[k] = around_.r[k], light_.g[k] = around_.g[k], light_.b[k] = around_.b[k];
         light_.form_factor[k] = around_.form_factor[k], light_.weight[k] = around_.weight[k];
+    }
+}
+
+// Finds how much of each request's light comes from cache points whose light is steep.
+void Interpolator::find_steep(const BatchWork& work)
+{
+    steep_.assign(work.lattice.size(), 0);
+    for (const CollectedCell& cell : work.cells) {
+        CellAnchors others = cell.anchors;
+        bool any = false;
+        for (int i = 0; i < 4; ++i) {
+            if (!cell.point[i]->exists || !cell.point[i]->steep) continue;
+            others.x[i] = others.low_b[i] = k_infinity;
+            any = true;
+        }
+        if (!any) continue;
+        interpolate_cell(others, reach_of(cell), work.lattice_points, cell.first, cell.end - cell.first, around_);
+        for (std::size_t k = cell.first; k < cell.end; ++k)
+            if (light_.weight[k] > 0) steep_[k] = std::max(1 - around_.weight[k] / light_.weight[k], 0.0f);
     }
 }
 

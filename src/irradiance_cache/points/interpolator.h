@@ -35,12 +35,14 @@ class Interpolator {
     static void gather_anchors(BatchWork& work);
     void leave_out_hidden(const CacheFrame& frame, std::span<const IndirectPoint> points, const BatchWork& work,
                           CacheCounters& counters);
+    void find_steep(const BatchWork& work);
     Arriving fallback(const BatchWork& work, std::size_t request);
 
     LatticeLight light_, around_;
     void find_hidden(const CacheFrame& frame, std::span<const IndirectPoint> points, const BatchWork& work,
                      CacheCounters& counters);
 
+    std::vector<float> steep_;   // by request: fraction of its light from steep points
     std::vector<PartRequest> replaced_;
     std::vector<Doubted> doubted_;
     ray::RayQueue rays_;

@@ -144,7 +144,8 @@ CloseLight NearPatches::find(const CacheFrame& frame, const CachePoint& point, s
         if (flux == glm::vec3(0) || !(met.share > 0)) continue;
         const float inverse_area = 1 / patches.patches()[met.patch].area;
         const float exitance = inverse_area * luminance(flux);
-        close += {met.close * exitance, met.close, (met.share - met.close) * exitance};
+        const float farther = (met.share - met.close) * exitance;
+        close += {met.close * exitance, met.close, farther, met.close > 0 ? farther : 0};
         const glm::vec3 to = tree.samples().at(node) - origin;
         const float cosine = glm::dot(to, point.normal) / glm::length(to);
         if (cosine > k_clear_cosine && glm::dot(to, point.horizon) > 0) {

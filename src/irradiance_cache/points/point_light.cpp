@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "irradiance_cache/light_tree/facing_place.h"
 #include "irradiance_cache/near_field/near_light.h"
@@ -14,6 +15,9 @@ namespace {
 
 // Light below this fraction of the static light is what rounding leaves of light that was taken away.
 constexpr float k_rounding = 1e-5f;
+
+// A point is local only if more than this fraction of its light comes from patches that are close.
+constexpr float k_least_local = 0.25f;
 
 // Whether a direction of the sky is above a point's surface.
 bool above(const CachePoint& point, const glm::vec3& direction)
@@ -126,9 +130,29 @@ void StaticVisibility::add_close_nodes(const CacheFrame& frame, Added& added) co
         const float weight = seen_weight(seen) * glm::dot(to, point.normal) / distance;
         const float light = weight * luminance(frame.lights.static_flux().at(node));
         if (node >= frame.lights.first_patch() && distance < reach)
-            added.close += {light, weight * frame.lights.quad(node / 4).area[node % 4], 0};
+            added.close += {light, weight * frame.lights.quad(node / 4).area[node % 4], 0, 0};
         else
             added.close.farther += light;
+    }
+}
+
+// Adds what comes from farther patches that are about as bright as those that are close.
+// @param nodes  of `seen_`: those of the cut, without near patches
+void StaticVisibility::add_beyond(const CacheFrame& frame, std::size_t nodes, Added& added) const
+{
+    constexpr float k_as_bright = 0.5f;
+    const CachePoint& point = *added.point;
+    CloseLight& close = added.close;
+    if (!(close.irradiance > k_least_local * (close.irradiance + close.farther))) return;
+    const float reach = k_close * lattice_spacing(point.key);
+    for (const SeenNode seen : std::span(seen_).first(nodes)) {
+        const NodeId node = seen_node(seen);
+        if (node < frame.lights.first_patch()) continue;
+        const glm::vec3 to = frame.lights.samples().at(node) - point.origin();
+        const float distance = glm::length(to), flux = luminance(frame.lights.static_flux().at(node));
+        const float area = frame.lights.quad(node / 4).area[node % 4];
+        if (distance < reach || flux * close.form_factor < k_as_bright * area * close.irradiance) continue;
+        close.beyond += seen_weight(seen) * glm::dot(to, point.normal) / distance * flux;
     }
 }
 
@@ -148,17 +172,21 @@ glm::vec3 StaticVisibility::facing_of_seen(const CacheFrame& frame, const CacheP
 
 // Finds lattice points whose light is local: much of it comes from patches that are close by, small and far brighter
 // than all that is farther, such as the sliver of ceiling above a luminous plate that is seen past the plate's edge. A
-// spacing away there is nothing of it. At the foot of a wall that is lit like its surroundings, close light is as much,
-// but that of other parts of the wall takes its place.
+// spacing away there is nothing of it. At the foot of a wall close light is as much, but what is close goes on: other
+// parts of the wall, or of a bright floor before it, take its place.
 void StaticVisibility::find_local()
 {
-    constexpr float k_least = 0.25f;     // of the light
     constexpr float k_brighter = 4.0f;   // radiance of what is close over that of all else
+    constexpr float k_goes_on = 0.1f;    // of close light: as much from beyond, as bright
     for (const Added& added : added_) {
         const CloseLight& close = added.close;
         const float all = close.irradiance + close.farther;
-        added.point->local = close.irradiance > k_least * all && close.irradiance * (1 - close.form_factor) >
-                                                                     k_brighter * close.form_factor * close.farther;
+        const bool from_close =
+            close.irradiance > k_least_local * all &&
+            close.irradiance * (1 - close.form_factor) > k_brighter * close.form_factor * close.farther;
+        const bool goes_on = close.beyond > k_goes_on * close.irradiance;
+        added.point->local = from_close && !goes_on;
+        added.point->steep = from_close && goes_on;
     }
 }
 

@@ -54,6 +54,7 @@ class StaticVisibility {
         CloseLight close{};   // lattice points
     };
     void add_close_nodes(const CacheFrame& frame, Added& added) const;
+    void add_beyond(const CacheFrame& frame, std::size_t nodes, Added& added) const;
     glm::vec3 facing_of_seen(const CacheFrame& frame, const CachePoint& point) const;
     void find_local();
     void add_node(const CacheFrame& frame, const CachePoint& point, NodeId node, float weight, const NearOptions* near);
@@ -130,7 +131,9 @@ void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTeste
         const bool near = added_[a].near != NearPatches::k_none, lattice = patches && is_lattice(point.key);
         if (lattice) add_close_nodes(frame, added_[a]);
         const float reach = lattice ? k_close * lattice_spacing(point.key) : 0;
+        const std::size_t nodes = seen_.size();
         if (near) added_[a].close += near_.find(frame, point, added_[a].near, seen_, rest, reach);
+        if (lattice) add_beyond(frame, nodes, added_[a]);
         store(point, std::span<const SeenNode>(seen_));
         for (int colour = 0; near && colour < 3; ++colour) point.static_light[colour] += rest.light[colour];
         point.facing = patches ? facing_of_seen(frame, point) : glm::vec3(0);
