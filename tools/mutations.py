@@ -440,7 +440,7 @@ MUTATIONS = (
         "src/ray/portable/judge.cpp", "if (record.masked) return !is_hole(record, of_mesh, u, v);",
         "if (record.masked) return true;", "crosscheck:RaySceneReference.*"),
     row("backs-met", "ray/portable", "camera rays meet the backs of one-sided surfaces",
-        "src/ray/portable/judge.cpp", "behind != record.mirrored &&", "behind == record.mirrored &&",
+        "src/ray/portable/tree.cpp", "block.unmet[r.mirrored ? 0 : 1]", "block.unmet[r.mirrored ? 1 : 0]",
         "crosscheck:RaySceneReference.*"),
     # ---- base
     row("exponential-term", "base/elementary", "a term of the exponential's series is wrong in its last digits",

@@ -245,7 +245,11 @@ void TriangleTree::fill(TriangleBlock& block, unsigned lane, std::uint32_t geome
         for (int axis = 0; axis < 3; ++axis) block.corner[c][axis][lane] = r.vertices->positions[index[c]][axis];
     block.geometry[lane] = geometry, block.triangle[lane] = triangle;
     block.mask[lane] = static_cast<std::uint8_t>(r.mask);
-    block.judged_closest[lane] = r.one_sided || r.masked;
+    block.judged_closest[lane] = r.masked;
+    const auto bit = static_cast<std::uint8_t>(1u << lane);
+    for (std::uint8_t& side : block.unmet) side &= static_cast<std::uint8_t>(~bit);
+    if (r.one_sided && r.scene->materials[r.mesh->part_of(r.first_triangle + triangle).material].one_sided())
+        block.unmet[r.mirrored ? 0 : 1] |= bit;
     block.judged_any[lane] = r.masked || r.thins ? TriangleBlock::k_by_material : 0;
     if (is_narrow(r.vertices->positions[index[0]], r.vertices->positions[index[1]], r.vertices->positions[index[2]]))
         block.judged_any[lane] |= TriangleBlock::k_by_distance;
@@ -260,7 +264,7 @@ void TriangleTree::build(const std::deque<GeometryRecord>& records)
     for (std::uint32_t g = 0; g < records.size(); ++g) {
         if (!records[g].attached) continue;
         for (std::uint32_t t = 0; t < records[g].triangles; ++t) {
-            TriangleBlock one;
+            TriangleBlock one{};
             fill(one, 0, g, t);
             const Box3 box = box_of(one, 0);
             if (box.empty()) continue;
