@@ -24,6 +24,7 @@
 #include <span>
 #include <vector>
 
+#include "environment_light/cell_sums.h"
 #include "environment_light/direction_cells.h"
 
 namespace gnomon::environment_light {
@@ -107,8 +108,7 @@ class CellLight {
 
  private:
     struct Lobes;
-    struct Sums;
-    Sums sum(const glm::vec3& normal, std::span<const std::uint64_t> mask, std::uint64_t flip) const;
+    CosineSums sum(const glm::vec3& normal, std::span<const std::uint64_t> mask, std::uint64_t flip) const;
 
     const DirectionCells& cells_;
     const scene::Environment* environment_;
