@@ -15,7 +15,7 @@
 // cells cannot resolve is widened for that.
 //
 // Cost: a table look-up (bilinear) where all cells above the surface are visible; else some 3 ns for each cell that is
-// hidden, or visible. The table over normals takes some 50 ms, those of lobes up to 300 ms (2 cores, AMD EPYC
+// hidden, or visible. The table over normals takes some 10 ms, those of lobes up to 300 ms (2 cores
 // with AVX-512).
 
 #include <array>
