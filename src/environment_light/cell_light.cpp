@@ -13,7 +13,6 @@ namespace gnomon::environment_light {
 namespace {
 
 constexpr double k_units = 1 << 29;   // of all flux of a colour
-constexpr std::size_t k_lanes = 8;
 
 // Roughnesses of the tables of lobes, and their sides.
 constexpr std::size_t k_lobes = 7;
@@ -32,21 +31,6 @@ float lobe_weight(float c, float a2)
     const float half2 = 0.5f * (1 + c);
     const float d = half2 * (a2 - 1) + 1;
     return c / (d * d);
-}
-
-// Which bits of a byte are set, as 8 whole numbers with all bits or none.
-struct ByteMasks {
-    alignas(32) std::array<std::array<std::int32_t, k_lanes>, 256> of;
-    ByteMasks()
-    {
-        for (std::size_t b = 0; b < 256; ++b)
-            for (std::size_t i = 0; i < k_lanes; ++i) of[b][i] = (b >> i & 1) ? -1 : 0;
-    }
-};
-const ByteMasks& byte_masks()
-{
-    static const ByteMasks masks;
-    return masks;
 }
 
 }   // namespace
@@ -173,11 +157,6 @@ struct CellLight::Lobes {
     }
 };
 
-struct CellLight::Sums {
-    std::array<std::int64_t, 3> of{};   // by colour
-    std::int64_t angle = 0;             // projected solid angle over pi
-};
-
 CellLight::CellLight(const DirectionCells& cells, const scene::Environment* environment,
                      const CellLightOptions& options)
     : cells_(cells), environment_(environment), options_(options), exists_(cells.words(), 0), normals_(options.normals)
@@ -203,9 +182,9 @@ CellLight::CellLight(const DirectionCells& cells, const scene::Environment* envi
     }
     for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) exists_[leaf / 64] |= std::uint64_t{1} << (leaf % 64);
     for (std::size_t entry = 0; entry < normals_.size(); ++entry) {
-        const Sums sums = sum(normals_.direction(entry), exists_, 0);
+        const CosineSums sums = sum(normals_.direction(entry), exists_, 0);
         for (int c = 0; c < 3; ++c)
-            normals_[entry][c] = static_cast<float>(sums.of[static_cast<std::size_t>(c)]) * unit_[c];
+            normals_[entry][c] = static_cast<float>(sums.flux[static_cast<std::size_t>(c)]) * unit_[c];
     }
 }
 
@@ -213,36 +192,13 @@ CellLight::~CellLight() = default;
 
 // Adds what cells of a mask bring, in units.
 // @param flip  all bits: the cells that are not in the mask
-CellLight::Sums CellLight::sum(const glm::vec3& normal, std::span<const std::uint64_t> mask, std::uint64_t flip) const
+CosineSums CellLight::sum(const glm::vec3& normal, std::span<const std::uint64_t> mask, std::uint64_t flip) const
 {
-    const ByteMasks& masks = byte_masks();
-    Sums sums;
-    for (std::size_t w = 0; w < mask.size(); ++w) {
-        std::uint64_t word = (mask[w] ^ flip) & exists_[w];
-        for (std::size_t byte = 0; word != 0; ++byte, word >>= 8) {
-            const auto bits = static_cast<std::size_t>(word & 0xff);
-            if (bits == 0) continue;
-            const std::size_t first = 64 * w + 8 * byte;
-            const float *x = mean_[0].data() + first, *y = mean_[1].data() + first, *z = mean_[2].data() + first;
-            const float *r = units_[0].data() + first, *g = units_[1].data() + first, *b = units_[2].data() + first;
-            const float* const a = angle_units_.data() + first;
-            const auto& keep = masks.of[bits];
-            std::array<std::int32_t, k_lanes> red, green, blue, angle;
-            for (std::size_t i = 0; i < k_lanes; ++i) {
-                const float cosine = normal.x * x[i] + normal.y * y[i] + normal.z * z[i];
-                const float lit = cosine > 0 ? cosine : 0;
-                red[i] = static_cast<std::int32_t>(r[i] * lit) & keep[i];
-                green[i] = static_cast<std::int32_t>(g[i] * lit) & keep[i];
-                blue[i] = static_cast<std::int32_t>(b[i] * lit) & keep[i];
-                angle[i] = static_cast<std::int32_t>(a[i] * lit) & keep[i];
-            }
-            std::int32_t sum_r = 0, sum_g = 0, sum_b = 0, sum_a = 0;   // each is below 2^30 units
-            for (std::size_t i = 0; i < k_lanes; ++i)
-                sum_r += red[i], sum_g += green[i], sum_b += blue[i], sum_a += angle[i];
-            sums.of[0] += sum_r, sums.of[1] += sum_g, sums.of[2] += sum_b, sums.angle += sum_a;
-        }
-    }
-    return sums;
+    return cosine_sums(normal,
+                       {{mean_[0].data(), mean_[1].data(), mean_[2].data()},
+                        {units_[0].data(), units_[1].data(), units_[2].data()},
+                        angle_units_.data()},
+                       mask, exists_, flip);
 }
 
 glm::vec3 CellLight::irradiance(const glm::vec3& normal) const
@@ -268,13 +224,13 @@ FromCells CellLight::from_cells(const glm::vec3& normal, std::span<const std::ui
     // About half of the cells lie above any surface.
     glm::vec3 result;
     if (4 * visible > cells_.leaves()) {
-        const Sums hidden = sum(normal, seen, ~std::uint64_t{0});
-        for (int c = 0; c < 3; ++c) result[c] = static_cast<float>(hidden.of[static_cast<std::size_t>(c)]) * unit_[c];
+        const CosineSums hidden = sum(normal, seen, ~std::uint64_t{0});
+        for (int c = 0; c < 3; ++c) result[c] = static_cast<float>(hidden.flux[static_cast<std::size_t>(c)]) * unit_[c];
         return {glm::max(irradiance(normal) - result + more, glm::vec3(0)),
                 static_cast<float>(static_cast<double>(hidden.angle) / k_units) - opened};
     }
-    const Sums sums = sum(normal, seen, 0);
-    for (int c = 0; c < 3; ++c) result[c] = static_cast<float>(sums.of[static_cast<std::size_t>(c)]) * unit_[c];
+    const CosineSums sums = sum(normal, seen, 0);
+    for (int c = 0; c < 3; ++c) result[c] = static_cast<float>(sums.flux[static_cast<std::size_t>(c)]) * unit_[c];
     const float open = static_cast<float>(static_cast<double>(sums.angle) / k_units) + opened;
     return {partial.empty() ? result : glm::max(result + more, glm::vec3(0)), 1 - open};
 }

@@ -15,7 +15,7 @@
 // cells cannot resolve is widened for that.
 //
 // Cost: a table look-up (bilinear) where all cells above the surface are visible; else some 3 ns for each cell that is
-// hidden, or visible. The table over normals takes some 50 ms, those of lobes up to 300 ms (2 cores, AMD EPYC
+// hidden, or visible. The table over normals takes some 10 ms, those of lobes up to 300 ms (2 cores
 // with AVX-512).
 
 #include <array>
@@ -24,6 +24,7 @@
 #include <span>
 #include <vector>
 
+#include "environment_light/cell_sums.h"
 #include "environment_light/direction_cells.h"
 
 namespace gnomon::environment_light {
@@ -107,8 +108,7 @@ class CellLight {
 
  private:
     struct Lobes;
-    struct Sums;
-    Sums sum(const glm::vec3& normal, std::span<const std::uint64_t> mask, std::uint64_t flip) const;
+    CosineSums sum(const glm::vec3& normal, std::span<const std::uint64_t> mask, std::uint64_t flip) const;
 
     const DirectionCells& cells_;
     const scene::Environment* environment_;

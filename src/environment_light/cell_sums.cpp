@@ -16,6 +16,38 @@ namespace gnomon::environment_light::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
+CosineSums cosine_sums_of(const glm::vec3& normal, const UnitLists& cells, std::span<const std::uint64_t> mask,
+                          std::span<const std::uint64_t> exists, std::uint64_t flip)
+{
+    const hn::CappedTag<float, 16> d;
+    const hn::RebindToSigned<decltype(d)> whole;
+    using V = hn::Vec<decltype(d)>;
+    const std::size_t lanes = hn::Lanes(d);
+    const V zero = hn::Zero(d), nx = hn::Set(d, normal.x), ny = hn::Set(d, normal.y), nz = hn::Set(d, normal.z);
+    auto red = hn::Zero(whole), green = red, blue = red, angle = red;
+    for (std::size_t w = 0; w < mask.size(); ++w) {
+        const std::uint64_t word = (mask[w] ^ flip) & exists[w];
+        if (word == 0) continue;
+        for (std::size_t in = 0; in < 64; in += lanes) {
+            const std::uint64_t bits = word >> in & ((1u << lanes) - 1);
+            if (bits == 0) continue;
+            const std::size_t first = 64 * w + in;
+            const V x = hn::LoadU(d, cells.mean[0] + first), y = hn::LoadU(d, cells.mean[1] + first),
+                    z = hn::LoadU(d, cells.mean[2] + first);
+            const V cosine = hn::Add(hn::Add(hn::Mul(nx, x), hn::Mul(ny, y)), hn::Mul(nz, z));
+            alignas(8) std::uint8_t bytes[8];
+            for (std::size_t i = 0; i < sizeof bytes; ++i) bytes[i] = static_cast<std::uint8_t>(bits >> (8 * i));
+            const V lit = hn::IfThenElseZero(hn::And(hn::Gt(cosine, zero), hn::LoadMaskBits(d, bytes)), cosine);
+            const auto term = [&](const float* list)
+                                  HWY_ATTR { return hn::ConvertTo(whole, hn::Mul(hn::LoadU(d, list + first), lit)); };
+            red = hn::Add(red, term(cells.flux[0])), green = hn::Add(green, term(cells.flux[1]));
+            blue = hn::Add(blue, term(cells.flux[2])), angle = hn::Add(angle, term(cells.angle));
+        }
+    }
+    const auto sum = [&](auto lanes_of) HWY_ATTR { return std::int64_t{hn::GetLane(hn::SumOfLanes(whole, lanes_of))}; };
+    return {{sum(red), sum(green), sum(blue)}, sum(angle)};
+}
+
 // The weight of a cell is what the lobe reflects of it: lobe_weight().
 LobeSums lobe_sums_of(const WeightedLobe& lobe, const CellLists& cells, std::span<const std::uint64_t> seen)
 {
@@ -74,7 +106,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace gnomon::environment_light {
 
+HWY_EXPORT(cosine_sums_of);
 HWY_EXPORT(lobe_sums_of);
+
+CosineSums cosine_sums(const glm::vec3& normal, const UnitLists& cells, std::span<const std::uint64_t> mask,
+                       std::span<const std::uint64_t> exists, std::uint64_t flip)
+{
+    return HWY_DYNAMIC_DISPATCH(cosine_sums_of)(normal, cells, mask, exists, flip);
+}
 
 float lobe_weight(const WeightedLobe& lobe, const glm::vec3& direction)
 {

@@ -2,8 +2,8 @@
 #pragma once
 // Sums over the cells of directions at one point, in the widest vectors that the machine has.
 //
-// Terms are added by eight lanes, whatever the width of vectors, and no multiplication is fused with an addition: every
-// instruction set gives the same bits.
+// Terms are added by eight lanes, whatever the width of vectors, or are whole numbers, and no multiplication is fused
+// with an addition: every instruction set gives the same bits.
 
 #include <array>
 #include <cstddef>
@@ -22,6 +22,23 @@ struct CellLists {
     std::array<const float*, 3> mean, flux;
     const float* angle = nullptr;
 };
+
+/// Lists by leaf, padded likewise: mean directions by axis, flux by colour in units, and solid angles in units. The sum
+/// of each list's units is below 2^30.
+struct UnitLists {
+    std::array<const float*, 3> mean, flux;
+    const float* angle = nullptr;
+};
+
+struct CosineSums {
+    std::array<std::int64_t, 3> flux{};   // cosine times flux, by colour, in units
+    std::int64_t angle = 0;               // cosine times solid angle
+};
+
+/// Sums over cells that are above a surface. Each term is rounded to whole units.
+/// @param mask  a bit for each leaf that counts. @param exists  likewise. @param flip  all bits: those not in the mask
+CosineSums cosine_sums(const glm::vec3& normal, const UnitLists& cells, std::span<const std::uint64_t> mask,
+                       std::span<const std::uint64_t> exists, std::uint64_t flip);
 
 /// A lobe as CellLight::seen_by() weights cells by it.
 struct WeightedLobe {

@@ -141,6 +141,19 @@ struct DirectionCells::Builder {
         return node;
     }
 
+    // The normals of the edges of a cell, for many directions: contains().
+    struct Edges {
+        glm::dvec3 normal[3];
+        explicit Edges(const Corners& c)
+            : normal{glm::cross(c[0], c[1]), glm::cross(c[1], c[2]), glm::cross(c[2], c[0])}
+        {
+        }
+        bool contain(const glm::dvec3& d) const
+        {
+            return glm::dot(d, normal[0]) >= 0 && glm::dot(d, normal[1]) >= 0 && glm::dot(d, normal[2]) >= 0;
+        }
+    };
+
     // Sums samples of the image over the leaves. What a cell has too little or too much of solid angle, because samples
     // have cells of their own, is made up for at its darkest sample: an even sky is then exact, and so is a sun.
     void integrate()
@@ -160,15 +173,19 @@ struct DirectionCells::Builder {
         std::uint32_t leaf = 0;
         const bool whole = rows == image.height && columns == image.width;
         const scene::DirectionGrid directions(columns, rows);
+        std::optional<Edges> edges;   // of the leaf
         for (int y = 0; y < rows; ++y) {
             const double above = std::cos(y * k_pi / rows), below = std::cos((y + 1) * k_pi / rows);
             const double angle = 2 * k_pi / columns * (above - below);
+            const float v = std::acos(std::clamp(directions.at(0, y).y, -1.0f, 1.0f)) / static_cast<float>(k_pi);
             for (int x = 0; x < columns; ++x) {
-                const glm::dvec3 d(directions.at(x, y));
+                const glm::vec3 direction = directions.at(x, y);
+                const glm::dvec3 d(direction);
                 const float* p = whole ? image.pixel(x, y) : nullptr;
                 const glm::dvec3 radiance =
-                    whole ? glm::dvec3(p[0], p[1], p[2]) : glm::dvec3(environment.radiance(glm::vec3(d)));
-                if (out.nodes_[leaf].children != 0 || !contains(corners_of(leaf), d)) leaf = leaf_at(d);
+                    whole ? glm::dvec3(p[0], p[1], p[2])
+                          : glm::dvec3(scene::radiance_at(image, directions.longitude(x, y, direction), v));
+                if (!edges || !edges->contain(d)) leaf = leaf_at(d), edges.emplace(corners_of(leaf));
                 lights[leaf].add(angle * radiance, d);
                 Sum& sum = sums[leaf];
                 sum.angle += angle;

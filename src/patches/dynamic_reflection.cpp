@@ -17,7 +17,6 @@ namespace {
 
 constexpr std::size_t k_places = 256, k_least_places = 8, k_places_in_all = 1024;   // of a group, and of all groups
 constexpr std::size_t k_rays = 8;                                                   // of a place
-constexpr float k_same_facing = 0.5f;                                               // cosine: of a place for a point
 constexpr float k_least_bounce = 1e-3f;   // of the first, the last that counts
 constexpr int k_most_bounces = 64;
 constexpr float k_most_albedo = 0.98f;
@@ -163,11 +162,13 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
         first_of_group_.push_back(static_cast<std::uint32_t>(reflectors_.size()));
         // Divide the group's places by the objects' areas.
         std::vector<Measured> areas;
-        double all = 0;
+        double all = 0, of_scale = -1, scale = 1;
         for (const scene::ObjectId o : group) {
             if (!state.object_visible(o)) continue;
             const glm::mat4 matrix = state.object_matrix(o);
-            const double scale = std::cbrt(std::abs(glm::determinant(glm::dmat3(matrix))));
+            // Most objects have the same size as the one before.
+            if (const double volume = std::abs(glm::determinant(glm::dmat3(matrix))); volume != of_scale)
+                of_scale = volume, scale = std::cbrt(volume);
             const double area = surface_of(state, rays, o).area * scale * scale;
             if (!std::isfinite(area)) continue;
             areas.push_back({matrix, o, area});
@@ -191,6 +192,8 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
     }
     first_of_group_.push_back(static_cast<std::uint32_t>(reflectors_.size()));
     irradiance_.assign(reflectors_.size(), glm::vec3(0));
+    sides_.clear();
+    for (const Reflector& r : reflectors_) sides_.push(r.position, r.normal);
     links_.clear();
     light_by_patches(state, rays, light);
     light_by_emission(rays, light);
@@ -256,15 +259,12 @@ std::uint32_t DynamicReflection::nearest_place(scene::ObjectId object, const Pat
         const Reflector& r = reflectors_[k];
         return std::tuple(r.position.x, r.position.y, r.position.z, r.normal.x, r.normal.y, r.normal.z);
     };
+    const std::uint32_t first = first_of_group_[group], last = first_of_group_[group + 1];
+    const float least = sides_.least(first, last, at.position, at.normal);
     std::uint32_t nearest = scene::none;
-    float least = k_infinity;
-    for (std::uint32_t k = first_of_group_[group]; k < first_of_group_[group + 1]; ++k) {
-        if (!(glm::dot(reflectors_[k].normal, at.normal) > k_same_facing)) continue;
-        const glm::vec3 way = reflectors_[k].position - at.position;
-        const float square = glm::dot(way, way);
-        if (square < least || (square == least && nearest != scene::none && key(k) < key(nearest)))
-            least = square, nearest = k;
-    }
+    for (std::uint32_t k = sides_.next(first, last, at.position, at.normal, least); k < last;
+         k = sides_.next(k + 1, last, at.position, at.normal, least))
+        if (nearest == scene::none || key(k) < key(nearest)) nearest = k;
     return nearest;
 }
 

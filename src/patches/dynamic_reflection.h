@@ -17,6 +17,7 @@
 
 #include <vector>
 
+#include "patches/facing_places.h"
 #include "patches/patch_rays.h"
 #include "patches/surroundings.h"
 #include "scene/sized_light.h"
@@ -102,6 +103,7 @@ class DynamicReflection {
         glm::vec3 weight;
     };
     std::vector<Link> links_;
+    FacingPlaces sides_;                                     // of all reflectors
     std::vector<std::uint32_t> group_of_, first_of_group_;   // by object; the reflectors of each group, and the end
     PatchRays rays_;
 };

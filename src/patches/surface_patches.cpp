@@ -43,7 +43,6 @@ struct SurfacePatches::Part {
 struct SurfacePatches::Side {
     std::uint64_t cell = 0;
     std::uint32_t code = 0;   // 2 * part + (back ? 1 : 0)
-    auto operator<=>(const Side&) const = default;
     bool back() const { return (code & 1) != 0; }
     std::uint32_t part() const { return code / 2; }
     glm::vec3 normal(const Part& part) const { return back() ? -part.normal : part.normal; }
@@ -338,7 +337,7 @@ void SurfacePatches::divide(const ray::RayScene& rays, const std::function<float
 void SurfacePatches::sort_sides(const DetailCells& cubes, Tasks& tasks, std::vector<Part>& parts,
                                 std::vector<Side>& sides)
 {
-    sides.assign(2 * parts.size(), {});
+    std::vector<Side> unsorted(2 * parts.size());   // in the order of their codes
     const std::size_t runs = (parts.size() + k_units_at_once - 1) / k_units_at_once;
     tasks.for_each(runs, [&](std::size_t run, int) {
         const std::size_t last = std::min((run + 1) * k_units_at_once, parts.size());
@@ -347,11 +346,18 @@ void SurfacePatches::sort_sides(const DetailCells& cubes, Tasks& tasks, std::vec
             parts[i].width = cube.width;
             const auto facing = static_cast<std::uint64_t>(facing_of(parts[i].normal));
             for (const std::uint64_t back : {0, 1})
-                sides[2 * i + back] = {static_cast<std::uint64_t>(cube.number) << 4 | (facing << 1) | back,
-                                       static_cast<std::uint32_t>(2 * i + back)};
+                unsorted[2 * i + back] = {static_cast<std::uint64_t>(cube.number) << 4 | (facing << 1) | back,
+                                          static_cast<std::uint32_t>(2 * i + back)};
         }
     });
-    std::sort(sides.begin(), sides.end());
+    // Cells are numbers below 16 times the number of cubes: count those of each, and place them one after the other.
+    std::uint64_t most = 0;
+    for (const Side& side : unsorted) most = std::max(most, side.cell);
+    std::vector<std::size_t> next(static_cast<std::size_t>(most) + 2, 0);
+    for (const Side& side : unsorted) ++next[side.cell + 1];
+    for (std::size_t cell = 1; cell < next.size(); ++cell) next[cell] += next[cell - 1];
+    sides.resize(unsorted.size());
+    for (const Side& side : unsorted) sides[next[side.cell]++] = side;
 }
 
 // Chooses places of a cell at equal steps of area.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/direction_grid.h"
 #include "scene/environment.h"
 
 namespace gnomon::patches {
@@ -11,6 +12,38 @@ namespace gnomon::patches {
 namespace {
 
 constexpr int k_columns = 32, k_rows = 16;   // of an image's cells: 11 degrees
+
+// The arc cosine, within k_error [Abramowitz and Stegun 1964, 4.4.45].
+float rough_acos(float x)
+{
+    const float a = std::abs(x);
+    const float angle = std::sqrt(1 - a) * (1.5707288f + a * (-0.2121144f + a * (0.0742610f - 0.0187293f * a)));
+    return x < 0 ? static_cast<float>(k_pi) - angle : angle;
+}
+
+// The arc tangent of y / x in the quadrant of (x, y), within k_error [ibid., 4.4.49].
+float rough_atan2(float y, float x)
+{
+    const float up = std::abs(y), right = std::abs(x), t = std::min(up, right) / std::max(up, right), z = t * t;
+    float angle = t * (0.9998660f + z * (-0.3302995f + z * (0.1801410f + z * (-0.0851330f + z * 0.0208351f))));
+    if (right < up) angle = static_cast<float>(k_pi / 2) - angle;
+    if (x < 0) angle = static_cast<float>(k_pi) - angle;
+    return y < 0 ? -angle : angle;
+}
+
+constexpr float k_error = 1e-4f;   // radians
+
+// The cell that a coordinate lies in; none (-1) if it is too near to an end of it, for how well the coordinate is
+// known.
+// @param size  of a cell, radians
+int cell_for_certain(float angle, float size)
+{
+    const float at = angle / size, slack = k_error / size;
+    if (!(at >= 0 && at < static_cast<float>(k_columns))) return -1;   // above and below, no longitude is known
+    const int cell = static_cast<int>(at);
+    const float in = at - static_cast<float>(cell);
+    return in > slack && in < 1 - slack ? cell : -1;
+}
 
 }   // namespace
 
@@ -25,14 +58,17 @@ Surroundings::Surroundings(const scene::Background& background) : background_(ba
     std::vector<glm::dvec3> sum(static_cast<std::size_t>(k_columns) * k_rows, glm::dvec3(0));
     std::vector<double> weight(sum.size(), 0);
     const int rows = std::max(image.height, k_rows), columns = std::max(image.width, k_columns);
+    const scene::DirectionGrid directions(columns, rows);
     for (int y = 0; y < rows; ++y) {
         const double v = (y + 0.5) / rows, solid = std::sin(k_pi * v);
+        const float down = std::acos(std::clamp(directions.at(0, y).y, -1.0f, 1.0f)) / static_cast<float>(k_pi);
         for (int x = 0; x < columns; ++x) {
             const double u = (x + 0.5) / columns;
             const auto cell =
                 static_cast<std::size_t>(static_cast<int>(v * k_rows) * k_columns + static_cast<int>(u * k_columns));
             // At texel centres, an image's own values.
-            const glm::vec3 radiance = background.environment->radiance(scene::Environment::direction_at(u, v));
+            const float longitude = directions.longitude(x, y, directions.at(x, y));
+            const glm::vec3 radiance = scene::radiance_at(image, longitude, down);
             sum[cell] += solid * glm::dvec3(radiance), weight[cell] += solid;
         }
     }
@@ -45,6 +81,13 @@ Surroundings::Surroundings(const scene::Background& background) : background_(ba
 glm::vec3 Surroundings::radiance(const glm::vec3& direction) const
 {
     if (cells_.empty()) return any_ ? background_.radiance(direction) : glm::vec3(0);
+    // Few directions are so near to an end of a cell that their angles must be known well.
+    const float polar = rough_acos(std::clamp(direction.y, -1.0f, 1.0f)),
+                turned = static_cast<float>(k_pi) + rough_atan2(direction.x, -direction.z);
+    const int row_at = cell_for_certain(polar, static_cast<float>(k_pi / k_rows));
+    const int column_at = cell_for_certain(turned, static_cast<float>(2 * k_pi / k_columns));
+    if (row_at >= 0 && column_at >= 0) return cells_[static_cast<std::size_t>(row_at * k_columns + column_at)];
+
     // The inverse of Environment::direction_at.
     const double u = 0.5 + std::atan2(static_cast<double>(direction.x), -static_cast<double>(direction.z)) / (2 * k_pi);
     const double v = std::acos(std::clamp(static_cast<double>(direction.y), -1.0, 1.0)) / k_pi;

@@ -56,7 +56,7 @@ DirectionGrid::DirectionGrid(int columns, int rows)
 {
     for (int x = 0; x < columns; ++x) {
         const double longitude = ((x + 0.5) / columns - 0.5) * 2 * k_pi;
-        columns_.emplace_back(std::sin(longitude), std::cos(longitude));
+        columns_.push_back({longitude, std::sin(longitude), std::cos(longitude)});
     }
     for (int y = 0; y < rows; ++y) {
         const double polar = (y + 0.5) / rows * k_pi;
@@ -67,19 +67,27 @@ DirectionGrid::DirectionGrid(int columns, int rows)
 glm::vec3 Environment::radiance(const glm::vec3& direction) const
 {
     constexpr auto pi = static_cast<float>(k_pi);
-    const float u = 0.5f + std::atan2(direction.x, -direction.z) / (2 * pi);
+    const float longitude = std::atan2(direction.x, -direction.z);
     const float v = std::acos(std::clamp(direction.y, -1.0f, 1.0f)) / pi;
-    if (!std::isfinite(u) || !std::isfinite(v)) return glm::vec3(0);
-    const float x = u * static_cast<float>(image_.width) - 0.5f, y = v * static_cast<float>(image_.height) - 0.5f;
+    if (!std::isfinite(longitude) || !std::isfinite(v)) return glm::vec3(0);
+    return radiance_at(image_, longitude, v);
+}
+
+glm::vec3 radiance_at(const ImageF& image, float longitude, float v)
+{
+    constexpr auto pi = static_cast<float>(k_pi);
+    const float u = 0.5f + longitude / (2 * pi);
+    const float x = u * static_cast<float>(image.width) - 0.5f, y = v * static_cast<float>(image.height) - 0.5f;
     const float left = std::floor(x), top = std::floor(y);
+    // Columns are at most one beyond a side, where the image meets its other side.
+    const int c = static_cast<int>(left), r = static_cast<int>(top), width = image.width;
+    const int columns[2] = {c < 0 ? c + width : c, c + 1 < width ? c + 1 : c + 1 - width};
     const auto texel = [&](int column, int row) {
-        const int width = image_.width;
-        const float* p = image_.pixel(((column % width) + width) % width, std::clamp(row, 0, image_.height - 1));
+        const float* p = image.pixel(columns[column], std::clamp(row, 0, image.height - 1));
         return glm::vec3(p[0], p[1], p[2]);
     };
-    const int c = static_cast<int>(left), r = static_cast<int>(top);
-    return glm::mix(glm::mix(texel(c, r), texel(c + 1, r), x - left),
-                    glm::mix(texel(c, r + 1), texel(c + 1, r + 1), x - left), y - top);
+    return glm::mix(glm::mix(texel(0, r), texel(1, r), x - left), glm::mix(texel(0, r + 1), texel(1, r + 1), x - left),
+                    y - top);
 }
 
 // Sums texels into cells. A texel's solid angle is exact: its range of longitude times the difference of the sines
@@ -114,11 +122,12 @@ void Environment::project()
 {
     constexpr double fold[9] = {1, 2.0 / 3, 2.0 / 3, 2.0 / 3, 0.25, 0.25, 0.25, 0.25, 0.25};   // A_l / pi
     std::array<glm::dvec3, 9> sums{};
+    const DirectionGrid directions(columns_, rows_);
     for (int y = 0; y < rows_; ++y)
         for (int x = 0; x < columns_; ++x) {
             const Cell& cell =
                 cells_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x)];
-            const auto b = basis(glm::dvec3(direction_at((x + 0.5) / columns_, (y + 0.5) / rows_)));
+            const auto b = basis(glm::dvec3(directions.at(x, y)));
             for (std::size_t i = 0; i < b.size(); ++i) sums[i] += b[i] * cell.flux;
         }
     for (std::size_t i = 0; i < sums.size(); ++i) harmonics_[i] = glm::vec3(fold[i] * sums[i]);

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <mutex>
 
 #include "shading/lobe_shared.h"
 
@@ -68,17 +70,27 @@ float schlick_part(float cosine)
 
 // Directional albedo of the lobe by cosine and roughness, in two parts: with reflectance f0 at normal incidence it is
 // f0 * part[0] + part[1] [Karis 2013]. Integrated once, from a regular pattern.
-struct AlbedoTable {
+class AlbedoTable {
+ public:
     static constexpr int k_side = GNOMON_ALBEDO_SIDE, k_strata = 24;
-    std::array<glm::vec2, k_side * k_side> parts;
-
-    AlbedoTable()
+    // Makes the row of a roughness when it is first needed: few materials have all. Thread-safe.
+    const glm::vec2* row(int r)
     {
-        for (int r = 0; r < k_side; ++r)
-            for (int c = 0; c < k_side; ++c)
-                parts[static_cast<std::size_t>(r * k_side + c)] =
-                    integrate(std::max(static_cast<float>(c) / (k_side - 1), GNOMON_BENT_VIEW),
-                              alpha_of(static_cast<float>(std::max(r, 1)) / (k_side - 1)));
+        const auto i = static_cast<std::size_t>(r);
+        glm::vec2* const begin = parts_.data() + i * k_side;
+        if (made_[i].load(std::memory_order_acquire)) return begin;
+        const std::lock_guard lock(mutex_);
+        if (made_[i].load(std::memory_order_relaxed)) return begin;
+        for (int c = 0; c < k_side; ++c)
+            begin[c] = integrate(std::max(static_cast<float>(c) / (k_side - 1), GNOMON_BENT_VIEW),
+                                 alpha_of(static_cast<float>(std::max(r, 1)) / (k_side - 1)));
+        made_[i].store(true, std::memory_order_release);
+        return begin;
+    }
+    std::span<const glm::vec2> all()
+    {
+        for (int r = 0; r < k_side; ++r) row(r);
+        return parts_;
     }
     static glm::vec2 integrate(float n_v, float alpha)
     {
@@ -95,25 +107,28 @@ struct AlbedoTable {
             }
         return glm::vec2(sum / static_cast<double>(k_strata * k_strata));
     }
-    glm::vec2 at(float n_v, float roughness) const
+    glm::vec2 at(float n_v, float roughness)
     {
         const auto split = [](float x, int& low) {
             const float t = std::clamp(x, 0.0f, 1.0f) * (k_side - 1);
             low = std::min(static_cast<int>(t), k_side - 2);
             return t - static_cast<float>(low);
         };
-        int row, column;
-        const float down = split(roughness, row), across = split(n_v, column);
-        const auto cell = [&](int r, int c) {
-            return parts[static_cast<std::size_t>((row + r) * k_side + column + c)];
-        };
-        return glm::mix(glm::mix(cell(0, 0), cell(0, 1), across), glm::mix(cell(1, 0), cell(1, 1), across), down);
+        int above, column;
+        const float down = split(roughness, above), across = split(n_v, column);
+        const glm::vec2 *upper = row(above) + column, *lower = row(above + 1) + column;
+        return glm::mix(glm::mix(upper[0], upper[1], across), glm::mix(lower[0], lower[1], across), down);
     }
+
+ private:
+    std::array<glm::vec2, k_side * k_side> parts_;   // by roughness, then cosine
+    std::array<std::atomic<bool>, k_side> made_{};   // rows
+    std::mutex mutex_;
 };
 
-const AlbedoTable& albedo_table()
+AlbedoTable& albedo_table()
 {
-    static const AlbedoTable table;
+    static AlbedoTable table;
     return table;
 }
 
@@ -167,7 +182,7 @@ float glossy_density(const SurfacePoint& s, const glm::vec3& direction)
 
 std::span<const glm::vec2> glossy_albedo_table()
 {
-    return albedo_table().parts;
+    return albedo_table().all();
 }
 
 glm::vec3 glossy_albedo(const SurfacePoint& s)

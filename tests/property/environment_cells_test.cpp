@@ -252,6 +252,41 @@ TEST(CellLight, SumsOfALobeAreThoseOfAPlainLoop)
     }
 }
 
+// Likewise, and whichever leaves the mask has.
+TEST(CellLight, SumsOfCosinesAreThoseOfAPlainLoop)
+{
+    Random random(8);
+    constexpr std::size_t k_words = 3;
+    std::array<std::vector<float>, 7> list;
+    for (std::size_t l = 0; l < list.size(); ++l)
+        for (std::size_t i = 0; i < 64 * k_words; ++i)
+            list[l].push_back(l < 3 ? random.uniform(-1, 1) : random.uniform(0, 1e6f));
+    const UnitLists cells{{list[0].data(), list[1].data(), list[2].data()},
+                          {list[3].data(), list[4].data(), list[5].data()},
+                          list[6].data()};
+    std::size_t added = 0;
+    for (int round = 0; round < 50; ++round) {
+        const glm::vec3 n = any_direction(random);
+        const std::uint64_t flip = round % 2 == 0 ? 0 : ~std::uint64_t{0};
+        std::array<std::uint64_t, k_words> mask{}, exists{};
+        for (std::uint64_t& word : mask)
+            for (int bits = 0; bits < 1 + round; ++bits) word |= std::uint64_t{1} << random.next() % 64;
+        for (std::uint64_t& word : exists) word = std::uint64_t{random.next()} << 32 | random.next();
+        CosineSums plain;
+        for (std::size_t leaf = 0; leaf < 64 * k_words; ++leaf) {
+            const float cosine = n.x * list[0][leaf] + n.y * list[1][leaf] + n.z * list[2][leaf];
+            if ((((mask[leaf / 64] ^ flip) & exists[leaf / 64]) >> (leaf % 64) & 1) == 0 || !(cosine > 0)) continue;
+            ++added;
+            for (std::size_t c = 0; c < 3; ++c) plain.flux[c] += static_cast<std::int32_t>(list[3 + c][leaf] * cosine);
+            plain.angle += static_cast<std::int32_t>(list[6][leaf] * cosine);
+        }
+        const CosineSums sums = cosine_sums(n, cells, mask, exists, flip);
+        EXPECT_EQ(sums.flux, plain.flux) << round;
+        EXPECT_EQ(sums.angle, plain.angle) << round;
+    }
+    EXPECT_GT(added, 1000u);
+}
+
 TEST(CellLight, LobesSeeAnEvenSkyEven)
 {
     const scene::Environment environment = even_sky();

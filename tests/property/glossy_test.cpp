@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "gnomon/gnomon.h"
+#include "shading/lobe_shared.h"
 #include "shading/shading.h"
 
 namespace gnomon {
@@ -60,6 +61,25 @@ TEST(Glossy, AlbedoIsThatOfTheSampledLobe)
                 const shading::SurfacePoint s = surface(roughness, cosine, glm::vec3(specular));
                 EXPECT_NEAR(sampled_albedo(s).x, shading::glossy_albedo(s).x, 0.015) << roughness << ' ' << cosine;
             }
+}
+
+// Rows of the table are made when they are first needed, and the table has all of them.
+TEST(Glossy, AlbedoIsInterpolatedInTheTable)
+{
+    constexpr int k_side = GNOMON_ALBEDO_SIDE;
+    for (const int row : {3, 17, 30})
+        for (const int column : {5, 20}) {
+            shading::SurfacePoint s = surface(static_cast<float>(row) / (k_side - 1),
+                                              static_cast<float>(column) / (k_side - 1), glm::vec3(0.5f));
+            s.f90 = 1;
+            const float before = shading::glossy_albedo(s).x;
+            const std::span<const glm::vec2> table = shading::glossy_albedo_table();
+            ASSERT_EQ(table.size(), static_cast<std::size_t>(k_side) * k_side);
+            const glm::vec2 parts = table[static_cast<std::size_t>(row * k_side + column)];
+            const float kept = parts.x + parts.y;
+            EXPECT_NEAR(before, (0.5f * parts.x + parts.y) * (1 + 0.5f * (1 - kept) / kept), 1e-5f);
+            EXPECT_EQ(before, shading::glossy_albedo(s).x);
+        }
 }
 
 // Integrated over the sphere, on a grid that is fine around the mirror direction.

@@ -314,6 +314,19 @@ TEST(LightTree, UpdatedTreeEqualsNewTree)
     EXPECT_GT(dirty, 0u);
 }
 
+// Lights that approximate an environment image shine into no views: cells and patches have the image itself.
+TEST(LightTree, HasNoViewsOfAnEnvironment)
+{
+    for (const bool of_environment : {false, true}) {
+        scene::Scene scene = scene::make_builtin("cornell");
+        for (scene::Light& light : scene.lights) light.of_environment = of_environment;
+        World world(std::move(scene));
+        const LightTree tree(world.state, world.rays, {}, world.tasks);
+        EXPECT_EQ(tree.first_patch() > 1000, !of_environment);
+        EXPECT_EQ(tree.first_patch() == 0, of_environment);
+    }
+}
+
 TEST(LightTree, UpdateTouchesOnlyLeavesNearDynamicObjects)
 {
     World world("cornell", 1, 1);

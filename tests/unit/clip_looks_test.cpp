@@ -181,5 +181,59 @@ TEST(TestImage, ShowsTheNearestSurfaceInWhateverOrderObjectsCome)
     }
 }
 
+// What is hidden for certain is left out without being looked at pixel by pixel, and no pixel depends on that.
+TEST(TestImage, IsMadeOfTheImagesOfSingleObjects)
+{
+    RandomScene random(11);
+    Scene scene;
+    scene.materials.emplace_back();
+    scene.materials.emplace_back().double_sided = true;
+    constexpr MeshId k_objects = 80;
+    for (MeshId n = 0; n < k_objects; ++n) {
+        Mesh mesh;
+        const float size = n % 3 == 0 ? 3.0f : 0.8f;
+        const glm::vec3 middle = random.point(1.5f);
+        for (int i = 0; i < 3; ++i) mesh.positions.push_back(middle + random.point(size) * glm::vec3(1, 1, 0.2f));
+        mesh.triangles.emplace_back(0, 1, 2);
+        mesh.parts = {{n % 2, 0, 1}};
+        scene.meshes.push_back(std::move(mesh));
+        scene.nodes.emplace_back().mesh = n;
+    }
+    scene.finish();
+    const auto draw = [](const Scene& of) {
+        const SceneState state({std::shared_ptr<const Scene>(), &of}, 0);
+        return draw_test_image(state, {0.3, 0.2, 6}, glm::dmat3(1), {.near = 0.1, .side = 61});
+    };
+    TestImage expected;
+    for (MeshId n = 0; n < k_objects; ++n) {
+        Scene one = scene;
+        for (MeshId other = 0; other < k_objects; ++other)
+            if (other != n) one.nodes[other].mesh = none;
+        one.finish();
+        const TestImage image = draw(one);
+        if (expected.pixels.empty()) expected = image, expected.pixels.assign(image.pixels.size(), {});
+        for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+            TestPixel& pixel = expected.pixels[i];
+            const float first = std::min(pixel.first, image.pixels[i].first);
+            const ObjectId id = n;
+            if (image.pixels[i].depth < pixel.depth) pixel = image.pixels[i], pixel.object = id;
+            pixel.first = first;
+        }
+    }
+    const TestImage image = draw(scene);
+    std::size_t shown = 0, behind = 0;
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+        const TestPixel &a = image.pixels[i], &b = expected.pixels[i];
+        EXPECT_EQ(a.first, b.first) << i;
+        EXPECT_EQ(a.depth, b.depth) << i;
+        EXPECT_EQ(a.object, b.object) << i;
+        EXPECT_EQ(a.normal, b.normal) << i;
+        EXPECT_EQ(a.position, b.position) << i;
+        shown += a.object != none, behind += a.first < a.depth;
+    }
+    EXPECT_GT(shown, 1500u);
+    EXPECT_GT(behind, 100u);
+}
+
 }   // namespace
 }   // namespace gnomon::scene

@@ -63,5 +63,44 @@ TEST(DynamicReflection, TheChoiceDoesNotDependOnTheNumbersOfObjects)
     }
 }
 
+TEST(FacingPlaces, AreSearchedAsByAPlainLoop)
+{
+    Random random(12);
+    // Places repeat, so that several are equally near.
+    const auto coordinate = [&] { return static_cast<float>(random.next() % 5); };
+    const auto direction = [&] {
+        return glm::normalize(glm::vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(0.1f, 1)));
+    };
+    std::vector<std::pair<glm::vec3, glm::vec3>> plain;
+    FacingPlaces places;
+    for (int i = 0; i < 203; ++i) {
+        plain.emplace_back(glm::vec3(coordinate(), coordinate(), coordinate()), direction());
+        places.push(plain.back().first, plain.back().second);
+    }
+    int found = 0, repeated = 0;
+    for (int round = 0; round < 400; ++round) {
+        const std::uint32_t first = random.next() % 203, last = first + random.next() % (204 - first);
+        const glm::vec3 p(coordinate(), coordinate(), coordinate()),
+            normal = round % 9 == 0 ? -direction() : direction();
+        float least = k_infinity;
+        std::vector<std::uint32_t> nearest;
+        for (std::uint32_t k = first; k < last; ++k) {
+            if (!(glm::dot(plain[k].second, normal) > FacingPlaces::k_same_facing)) continue;
+            const float square = glm::dot(plain[k].first - p, plain[k].first - p);
+            if (square < least) least = square, nearest.clear();
+            if (square == least) nearest.push_back(k);
+        }
+        ASSERT_EQ(places.least(first, last, p, normal), least);
+        std::vector<std::uint32_t> listed;
+        for (std::uint32_t k = places.next(first, last, p, normal, least); k < last;
+             k = places.next(k + 1, last, p, normal, least))
+            listed.push_back(k);
+        ASSERT_EQ(listed, nearest);
+        found += !nearest.empty(), repeated += nearest.size() > 1;
+    }
+    EXPECT_GT(found, 200);
+    EXPECT_GT(repeated, 50);
+}
+
 }   // namespace
 }   // namespace gnomon::patches

@@ -91,6 +91,21 @@ TEST(Elementary, PowersAndAnglesAreCorrectlyRounded)
     EXPECT_LE(float_angles, 2);
 }
 
+// These take a shorter way.
+TEST(Elementary, FlatAnglesAreCorrectlyRounded)
+{
+    constexpr int k_count = 50000;
+    Random random(10);
+    int wrong = 0;
+    for (int i = 0; i < k_count; ++i) {
+        const double x = 0.5 + static_cast<double>(random.uniform(0, 1)) * 1.0000001;
+        const double y = x * std::ldexp(static_cast<double>(random.uniform(0.5f, 1)) * 0.9999999, -5 - i % 40);
+        const auto truth = static_cast<double>(std::atan2(static_cast<long double>(y), static_cast<long double>(x)));
+        wrong += std::atan2(y, x) != truth || std::atan2(-y, x) != -truth;
+    }
+    EXPECT_LE(wrong, k_count / 500);
+}
+
 TEST(Elementary, SpecialValuesAreThoseOfTheStandard)
 {
     const double zero = hidden(0.0), one = hidden(1.0), inf = hidden(k_inf), nan = hidden(std::nan(""));

@@ -5,6 +5,7 @@
 
 #include "api/scene_access.h"
 
+#include "base/bits.h"
 #include "base/random.h"
 #include "gnomon/gnomon.h"
 #include "io/image/exr.h"
@@ -241,6 +242,41 @@ TEST(Environment, AGridHasTheDirectionsOfTheImage)
         for (int y = 0; y < rows; ++y)
             for (int x = 0; x < columns; ++x)
                 ASSERT_EQ(grid.at(x, y), Environment::direction_at((x + 0.5) / columns, (y + 0.5) / rows));
+    }
+}
+
+TEST(Environment, AGridHasTheLongitudesOfItsDirections)
+{
+    int unlike_column = 0;   // rounding matters
+    for (const auto& [columns, rows] : {std::pair{1, 1}, {7, 3}, {1000, 3}, {1024, 128}}) {
+        const DirectionGrid grid(columns, rows);
+        for (int y = 0; y < rows; ++y)
+            for (int x = 0; x < columns; ++x) {
+                const glm::vec3 d = grid.at(x, y);
+                ASSERT_TRUE(same_bits(grid.longitude(x, y, d), std::atan2(d.x, -d.z))) << x << ' ' << y;
+                unlike_column += grid.longitude(x, y, d) != grid.longitude(x, 0, grid.at(x, 0));
+            }
+    }
+    EXPECT_GT(unlike_column, 1000);
+}
+
+// By the same formula as an image's own look-up.
+TEST(Environment, AnImageMayBeLookedUpByAngles)
+{
+    ImageF image(6, 4, 3);
+    for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] = static_cast<float>(i * i % 17);
+    const Environment environment(image);
+    for (const glm::vec3& d :
+         {glm::vec3(0, 0, 1), glm::vec3(-1e-9f, 0, 1), glm::vec3(0, 1, 0), glm::vec3(0, -1, 0),
+          glm::vec3(0.6f, 0, -0.8f), glm::vec3(0.6f, -0.64f, 0.48f), glm::vec3(-0.6f, 0.64f, 0.48f)})
+        EXPECT_EQ(environment.radiance(d),
+                  radiance_at(image, std::atan2(d.x, -d.z), std::acos(d.y) / static_cast<float>(k_pi)));
+    // Behind, the first column meets the last.
+    const glm::vec3 seam = environment.radiance({0, 0, 1});
+    for (int c = 0; c < 3; ++c) {
+        float mean = 0;
+        for (const auto& [x, y] : {std::pair{0, 1}, {0, 2}, {5, 1}, {5, 2}}) mean += 0.25f * image.pixel(x, y)[c];
+        EXPECT_NEAR(seam[c], mean, 1e-4f);
     }
 }
 

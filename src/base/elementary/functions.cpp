@@ -401,6 +401,22 @@ double angle_in_double(double y, double x)
     return y < 0 ? -angle : angle;
 }
 
+// The same for a point so near to the right half of the horizontal axis that double precision suffices for all but the
+// first term of the series, unless the result might be rounded otherwise than that of angle_of().
+// @pre 0 < y, x
+bool flat_angle(double y, double x, double& result)
+{
+    constexpr double k_flattest = 0x1p-5, k_certain = 0x1p-57;   // a sixteenth of a unit in the last place, or less
+    const double t = y / x;
+    if (!(t < k_flattest)) return false;
+    // What the quotient was rounded by, and all further terms.
+    const Twofold product = exact_product(t, x);
+    const double rest = ((y - product.hi) - product.lo) / x, z = t * t;
+    const Twofold sum = quick_sum(t, rest + t * (z * (z * arc_tangent_tail(z) - 1. / 3)));
+    result = sum.hi + (sum.lo - k_certain * t);
+    return result == sum.hi + (sum.lo + k_certain * t);
+}
+
 // Whether the angle is that of an axis or a diagonal of infinite length.
 bool special_angle(double y, double x, double& result)
 {
@@ -432,6 +448,7 @@ double atan2_of(double y, double x)
         return std::copysign(elementary::scaled((Twofold(up) / Twofold(right)).rounded(), apart), y);
     }
     up = elementary::scaled(up, apart);
+    if (double angle = 0; x > 0 && flat_angle(up, right, angle)) return std::copysign(angle, y);
     return angle_of(Twofold(std::copysign(up, y)), Twofold(std::copysign(right, x))).rounded();
 }
 double atan2_in_double(double y, double x)

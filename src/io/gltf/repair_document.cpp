@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -39,6 +40,19 @@ void each(json& owner, const char* array, const std::string& pointer, Visit visi
     if (!list || !list->is_array()) return;
     const std::string here = at(pointer, array);
     for (std::size_t i = 0; i < list->size(); ++i) visit((*list)[i], at(here, i));
+}
+
+// Whether remove_nulls() finds any.
+bool has_nulls(const json& value)
+{
+    if (value.is_array()) return std::any_of(value.begin(), value.end(), [](const json& v) { return has_nulls(v); });
+    if (!value.is_object()) return false;
+    for (auto item = value.begin(); item != value.end(); ++item) {
+        if (item->is_null()) return true;
+        if (item->is_structured() && item.key() != "extras" && item.key() != "extensions" && has_nulls(*item))
+            return true;
+    }
+    return false;
 }
 
 // Removes null properties. What applications and extensions keep for themselves stays. Its depth is that of the
@@ -254,7 +268,7 @@ void refuse_first_version(json& document, Context& context)
 void repair_document(json& document, Context& context)
 {
     refuse_first_version(document, context);
-    remove_nulls(document, "", context);
+    if (has_nulls(document)) remove_nulls(document, "", context);
     repair_accessors(document, context);
     repair_nodes(document, context);
     repair_channels(document, context);

@@ -35,6 +35,15 @@ std::size_t nodes_of(int side)
     return (4 * static_cast<std::size_t>(side) * static_cast<std::size_t>(side) - 4) / 3;
 }
 
+// Whether any light shines into its views. Those that approximate an environment image do not, nor do those of emissive
+// surfaces that light patches.
+bool has_views(const scene::Scene& scene, const LightTreeOptions& options)
+{
+    return std::ranges::any_of(scene.lights, [&](const scene::Light& light) {
+        return !light.of_environment && !(options.patches.emission && light.of_surface);
+    });
+}
+
 // All lights if their views fit; else the strongest, in the scene's order.
 std::vector<scene::LightId> bouncing_lights(const scene::Scene& scene, const light_views::SceneBounds& bounds,
                                             const LightTreeOptions& options)
@@ -42,6 +51,7 @@ std::vector<scene::LightId> bouncing_lights(const scene::Scene& scene, const lig
     const auto views = [&](scene::LightId l) {
         return static_cast<std::size_t>(light_views::view_count(scene.lights[l], bounds, light_views::k_projection));
     };
+    if (!has_views(scene, options)) return {};
     std::vector<scene::LightId> lights(scene.lights.size());
     std::iota(lights.begin(), lights.end(), 0u);
     // Emissive surfaces that light patches need no lights that approximate them.
@@ -60,14 +70,19 @@ std::vector<scene::LightId> bouncing_lights(const scene::Scene& scene, const lig
 
 LightTree::LightTree(const scene::SceneState& state, const ray::RayScene& rays, const LightTreeOptions& options,
                      Tasks& tasks)
-    : options_(options),
-      casters_(state),
-      bounds_(state.present_bounds()),
-      sized_(options.patches.lights.lights),
-      state_(&state),
-      rays_(&rays)
+    : options_(options), casters_(state), sized_(options.patches.lights.lights), state_(&state), rays_(&rays)
 {
+    follow_bounds();
     build(tasks);
+}
+
+// Takes over the bounds of the views, which are costly to find and of no use without any.
+// @return  whether they changed
+bool LightTree::follow_bounds()
+{
+    if (!has_views(state_->scene(), options_) || state_->present_bounds() == bounds_) return false;
+    bounds_ = state_->present_bounds();
+    return true;
 }
 
 // The views of all lights that are in the tree, without places for their nodes.
@@ -529,9 +544,7 @@ void LightTree::update(const scene::SceneState& state, const ray::RayScene& rays
 bool LightTree::follow_lights_and_bounds(Tasks& tasks)
 {
     const scene::FrameChanges& changes = state_->changes();
-    const bool other_bounds = !(state_->present_bounds() == bounds_);
-    if (other_bounds) bounds_ = state_->present_bounds();
-    if (!other_bounds) {
+    if (!follow_bounds()) {
         if (changes.lights_moved.empty() && changes.lights_relit.empty() && changes.materials_changed.empty())
             return false;
         const std::vector<View> wanted = wanted_views();

@@ -205,6 +205,7 @@ class LightTree {
     void build(Tasks& tasks);
     std::vector<View> wanted_views() const;
     void choose_sides(std::size_t patch_nodes);
+    bool follow_bounds();
     bool follow_lights_and_bounds(Tasks& tasks);
     void rebuild(Tasks& tasks);
     void make_view(View& view);

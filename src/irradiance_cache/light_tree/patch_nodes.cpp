@@ -53,7 +53,7 @@ bool LightTree::follow_patches(Tasks& tasks, bool& relit)
     if (patches_ && (!wanted || !changes.promoted.empty())) patches_.reset();
     if (patches_) relit = patches_->follow(*state_, *rays_, sized_, tasks);
     if (wanted == (patches_ != nullptr) && (patches_ || patch_first_ == size())) return true;
-    if (!(state_->present_bounds() == bounds_)) bounds_ = state_->present_bounds();
+    follow_bounds();
     rebuild(tasks);
     return false;
 }

@@ -24,14 +24,10 @@ bool is_hole(const GeometryRecord& record, std::uint32_t triangle, float u, floa
 
 }   // namespace
 
-bool is_met(const TreeInstance& instance, std::uint32_t geometry, std::uint32_t triangle, float u, float v, bool behind,
-            bool front_only)
+bool is_hole(const TreeInstance& instance, std::uint32_t geometry, std::uint32_t triangle, float u, float v)
 {
     const GeometryRecord& record = instance.tree->record(geometry);
-    const std::uint32_t of_mesh = record.first_triangle + triangle;
-    if (front_only && record.one_sided && behind != record.mirrored && material_of(record, of_mesh).one_sided())
-        return false;
-    return !is_hole(record, of_mesh, u, v);
+    return is_hole(record, record.first_triangle + triangle, u, v);
 }
 
 bool occludes(const TreeInstance& instance, std::uint32_t geometry, std::uint32_t triangle, float u, float v,

@@ -10,11 +10,8 @@
 
 namespace gnomon::ray {
 
-/// Whether a closest-hit ray meets the surface: not in the holes of a masked one, and with `front_only` not on the back
-/// of a one-sided one.
-/// @param behind  the ray comes from the side on which the corners run clockwise, in the space of the tree
-bool is_met(const TreeInstance& instance, std::uint32_t geometry, std::uint32_t triangle, float u, float v, bool behind,
-            bool front_only);
+/// Whether a point of a surface is in a hole of a masked one. (Sides are judged by TriangleBlock::unmet.)
+bool is_hole(const TreeInstance& instance, std::uint32_t geometry, std::uint32_t triangle, float u, float v);
 /// Whether the surface blocks the ray. Notes how much light it lets through, if the query asks for that; it does not
 /// block then.
 bool occludes(const TreeInstance& instance, std::uint32_t geometry, std::uint32_t triangle, float u, float v,

@@ -51,6 +51,7 @@ struct Rays {
     alignas(64) float turned[3][k_packet_rays], shear[2][k_packet_rays];
     // Bits of lanes: whose component of the direction is negative; with the largest component along x, along y.
     unsigned negative[3], along_x, along_y;
+    unsigned backward;            // whose largest component is negative
     bool same_axis, same_signs;   // of all lanes in use
     // With the same signs: the least and largest values of all lanes.
     float least_for_low[3], most_for_low[3], least_for_high[3], most_for_high[3], least_inverse[3], most_inverse[3];
@@ -59,7 +60,6 @@ struct Rays {
     bool down(int axis, std::size_t lane) const { return ((negative[axis] >> lane) & 1) != 0; }
     // The axis with the largest component, and whether that is negative.
     int along(std::size_t lane) const { return (along_x >> lane) & 1 ? 0 : (along_y >> lane) & 1 ? 1 : 2; }
-    bool backward(std::size_t lane) const { return down(along(lane), lane); }
     unsigned first;   // lane in use
 };
 
@@ -130,6 +130,8 @@ HWY_INLINE void prepare(Rays& rays, const float (&direction)[3][k_packet_rays], 
         for (int a = 0; a < 2; ++a) hn::Store(hn::Mul(turned[a], scale), d, rays.shear[a] + at);
         rays.along_x |= bits_of(d, by_x) << at, rays.along_y |= bits_of(d, by_y) << at;
     }
+    rays.backward = (rays.along_x & rays.negative[0]) | (rays.along_y & rays.negative[1]) |
+                    (~(rays.along_x | rays.along_y) & rays.negative[2]);
     const auto agree = [lanes](unsigned bits) { return (bits & lanes) == 0 || (bits & lanes) == lanes; };
     rays.first = static_cast<unsigned>(std::countr_zero(lanes));
     rays.same_axis = agree(rays.along_x) && agree(rays.along_y);
@@ -178,8 +180,7 @@ struct Trace {
     void set_limit(std::size_t lane) { limit[lane] = packet.t[lane] + k_hit_slack * packet.t[lane]; }
 
     // Takes a hit of a lane, unless the surface is not there for this ray.
-    void take(const Rays& rays, std::size_t lane, const TriangleBlock& block, unsigned which, float u, float v,
-              bool behind)
+    void take(const Rays& rays, std::size_t lane, const TriangleBlock& block, unsigned which, float u, float v)
     {
         if constexpr (any) {
             const std::uint8_t judged = block.judged_any[which];
@@ -194,8 +195,7 @@ struct Trace {
             open &= ~(1u << lane);
             limit[lane] = -1;
         } else {
-            if (block.judged_closest[which] &&
-                !is_met(*instance, block.geometry[which], block.triangle[which], u, v, behind, query.front_only))
+            if (block.judged_closest[which] && is_hole(*instance, block.geometry[which], block.triangle[which], u, v))
                 return;
             const float t = distance_of(rays, lane, block, which);
             if (!(t > packet.tnear[lane] && t <= packet.t[lane])) return;
@@ -273,12 +273,18 @@ HWY_INLINE void meet_leaf(Trace<any>& trace, const Rays& rays, std::size_t lane,
                                  hn::Set(d, any ? trace.packet.t[lane] : trace.limit[lane]));
         unsigned hits = bits_of(d, tested.hit);
         if (hits == 0) continue;
+        if (!any && trace.query.front_only) {
+            unsigned behind = bits_of(d, hn::Lt(tested.sum, hn::Zero(d)));
+            if (((rays.backward >> lane) & 1) != 0) behind = ~behind;
+            hits &= ~((behind & block->unmet[1]) | (~behind & block->unmet[0]));
+            if (hits == 0) continue;
+        }
         alignas(16) float u[4], v[4], sum[4];
         hn::Store(tested.u, d, u), hn::Store(tested.v, d, v), hn::Store(tested.sum, d, sum);
         for (; hits != 0; hits &= hits - 1) {
             const auto i = static_cast<unsigned>(std::countr_zero(hits));
             if ((block->mask[i] & trace.query.mask) == 0) continue;
-            trace.take(rays, lane, *block, i, u[i] / sum[i], v[i] / sum[i], (sum[i] < 0) != rays.backward(lane));
+            trace.take(rays, lane, *block, i, u[i] / sum[i], v[i] / sum[i]);
             if constexpr (any)
                 if (trace.limit[lane] < 0) return;
         }
@@ -389,13 +395,17 @@ HWY_INLINE void meet_leaf(Trace<any>& trace, const Rays& rays, unsigned lanes, s
                 unsigned hits = bits_of(d, tested.hit) & (lanes >> at);
                 if constexpr (any) hits &= trace.open >> at;
                 if (hits == 0) continue;
-                alignas(64) float u[k_lanes], v[k_lanes], sum[k_lanes];
-                hn::Store(tested.sum, d, sum);
+                if (!any && trace.query.front_only) {
+                    const unsigned behind = bits_of(d, hn::Lt(tested.sum, hn::Zero(d))) ^ (rays.backward >> at);
+                    if (((block->unmet[1] >> i) & 1) != 0) hits &= ~behind;
+                    if (((block->unmet[0] >> i) & 1) != 0) hits &= behind;
+                    if (hits == 0) continue;
+                }
+                alignas(64) float u[k_lanes], v[k_lanes];
                 hn::Store(hn::Div(tested.u, tested.sum), d, u), hn::Store(hn::Div(tested.v, tested.sum), d, v);
                 for (; hits != 0; hits &= hits - 1) {
                     const auto lane = static_cast<std::size_t>(std::countr_zero(hits));
-                    trace.take(rays, at + lane, *block, i, u[lane], v[lane],
-                               (sum[lane] < 0) != rays.backward(at + lane));
+                    trace.take(rays, at + lane, *block, i, u[lane], v[lane]);
                 }
             }
         }

@@ -212,11 +212,12 @@ class Builder {
 };
 
 // The box of one triangle, with the margin; empty if it cannot be met.
-Box3 box_of(const TriangleBlock& block, unsigned lane)
+Box3 box_of(const GeometryRecord& record, std::uint32_t triangle)
 {
+    const glm::uvec3 index = record.mesh->triangles[record.first_triangle + triangle];
     Box3 box;
-    for (const auto& corner : block.corner) {
-        const glm::vec3 p(corner[0][lane], corner[1][lane], corner[2][lane]);
+    for (int c = 0; c < 3; ++c) {
+        const glm::vec3& p = record.vertices->positions[index[c]];
         if (!(largest(p) < k_largest_met)) return {};
         box.add(p);
     }
@@ -245,7 +246,11 @@ void TriangleTree::fill(TriangleBlock& block, unsigned lane, std::uint32_t geome
         for (int axis = 0; axis < 3; ++axis) block.corner[c][axis][lane] = r.vertices->positions[index[c]][axis];
     block.geometry[lane] = geometry, block.triangle[lane] = triangle;
     block.mask[lane] = static_cast<std::uint8_t>(r.mask);
-    block.judged_closest[lane] = r.one_sided || r.masked;
+    block.judged_closest[lane] = r.masked;
+    const auto bit = static_cast<std::uint8_t>(1u << lane);
+    for (std::uint8_t& side : block.unmet) side &= static_cast<std::uint8_t>(~bit);
+    if (r.one_sided && r.scene->materials[r.mesh->part_of(r.first_triangle + triangle).material].one_sided())
+        block.unmet[r.mirrored ? 0 : 1] |= bit;
     block.judged_any[lane] = r.masked || r.thins ? TriangleBlock::k_by_material : 0;
     if (is_narrow(r.vertices->positions[index[0]], r.vertices->positions[index[1]], r.vertices->positions[index[2]]))
         block.judged_any[lane] |= TriangleBlock::k_by_distance;
@@ -260,9 +265,7 @@ void TriangleTree::build(const std::deque<GeometryRecord>& records)
     for (std::uint32_t g = 0; g < records.size(); ++g) {
         if (!records[g].attached) continue;
         for (std::uint32_t t = 0; t < records[g].triangles; ++t) {
-            TriangleBlock one;
-            fill(one, 0, g, t);
-            const Box3 box = box_of(one, 0);
+            const Box3 box = box_of(records[g], t);
             if (box.empty()) continue;
             items.push_back({box, static_cast<std::uint32_t>(places.size())});
             places.emplace_back(g, t);
@@ -300,7 +303,7 @@ void TriangleTree::refit()
                     TriangleBlock& block = blocks_[b];
                     for (unsigned lane = 0; lane < 4 && block.mask[lane] != 0; ++lane) {
                         fill(block, lane, block.geometry[lane], block.triangle[lane]);
-                        const Box3 own = box_of(block, lane);
+                        const Box3 own = box_of((*records_)[block.geometry[lane]], block.triangle[lane]);
                         if (!own.empty()) box.add(own);
                     }
                 }

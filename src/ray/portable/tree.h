@@ -48,11 +48,14 @@ struct alignas(64) TriangleBlock {
     float corner[3][3][4];   // by corner and axis
     std::uint32_t geometry[4], triangle[4];
     std::uint8_t mask[4];             // rays that meet it (embree.h); 0 where there is no triangle
-    std::uint8_t judged_closest[4];   // whether hits of closest-hit rays must be judged by the material
+    std::uint8_t judged_closest[4];   // whether hits of closest-hit rays must be judged by the holes of the material
     /// What hits of other rays must be judged by: the material; their distance in double precision, because the
     /// triangle is narrow.
     std::uint8_t judged_any[4];
     static constexpr std::uint8_t k_by_material = 1, k_by_distance = 2;
+    /// Bits of the triangles that are one-sided, which closest-hit rays of `front_only` pass through: those that come
+    /// from the side on which corners run counter-clockwise in the space of the tree, and those from behind.
+    std::uint8_t unmet[2];
 };
 
 /// Something to build a tree over.

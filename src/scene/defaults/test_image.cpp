@@ -20,14 +20,20 @@ struct Surface {
     ObjectId object = none;
     std::uint32_t triangle = 0;
     bool seen = false, from_behind = false;
-    glm::vec3 corner[3];   // world space
-    glm::vec3 normal{0};
+    glm::vec3 corner[3];    // world space
+    glm::dvec3 normal{0};   // in the camera's space
 };
 
 class Painter {
  public:
-    Painter(TestImage& image, double half, double near)
-        : image_(image), scale_(0.5 * image.side / half), near_(near), shown_(image.pixels.size())
+    Painter(TestImage& image, const glm::dmat3& axes, double half, double near)
+        : image_(image),
+          axes_(axes),
+          scale_(0.5 * image.side / half),
+          near_(near),
+          shown_(image.pixels.size()),
+          runs_((static_cast<std::size_t>(image.side) + k_run - 1) / k_run),
+          farthest_(runs_ * static_cast<std::size_t>(image.side), k_infinity)
     {
     }
 
@@ -63,9 +69,9 @@ class Painter {
             at[i] = 0.5 * side + scale_ * glm::dvec2(p[i].x, -p[i].y) / -p[i].z;
             low = glm::min(low, at[i]), high = glm::max(high, at[i]);
         }
-        // A surface that lies exactly on one that was drawn changes no pixel. Small ones are drawn faster than found.
-        if ((high.x - low.x) * (high.y - low.y) > k_looked_up && !drawn_.insert({p, surface.seen, surface.object}))
-            return;
+        // A surface that lies exactly on one that was drawn changes no pixel. Small ones are drawn faster than found,
+        // and those that are hidden need not be found.
+        bool looked_up = (high.x - low.x) * (high.y - low.y) <= k_looked_up;
         const double area = (at[1].x - at[0].x) * (at[2].y - at[0].y) - (at[1].y - at[0].y) * (at[2].x - at[0].x);
         if (area == 0 || !std::isfinite(area)) return;
         const auto first = [](double v) { return static_cast<int>(std::ceil(std::max(v, 0.0) - 0.5)); };
@@ -84,8 +90,13 @@ class Painter {
                 ((rise > 0) == (area > 0) ? to : from) =
                     (rise > 0) == (area > 0) ? std::min(to, crossing + 1) : std::max(from, crossing - 1);
             }
-            for (int x = static_cast<int>(from); x <= static_cast<int>(to); ++x) {
+            const int end = static_cast<int>(to);
+            for (int x = static_cast<int>(from); x <= end; ++x) {
                 const glm::dvec2 centre(x + 0.5, y + 0.5);
+                if (is_near && x % k_run == 0 && x + k_run - 1 <= end && is_run_hidden(x, y, plane)) {
+                    x += k_run - 1;
+                    continue;
+                }
                 const std::size_t pixel = static_cast<std::size_t>(y) * side + x;
                 if (is_near && is_hidden(pixel, plane.most_at(centre), surface.seen)) continue;
                 double twice[3];   // the areas of three triangles with the centre as a corner
@@ -98,7 +109,10 @@ class Painter {
                 if (!inside) continue;
                 double reciprocal = 0;
                 for (int i = 0; i < 3; ++i) reciprocal -= twice[i] / area / p[i].z;
-                if (reciprocal > 0) put(pixel, 1 / reciprocal, whole, surface);
+                if (!(reciprocal > 0)) continue;
+                if (!looked_up && !drawn_.insert({p, surface.seen, surface.object})) return;
+                looked_up = true;
+                put(pixel, 1 / reciprocal, whole, surface);
             }
         }
     }
@@ -129,10 +143,31 @@ class Painter {
     // Whether put() has no effect, because what was drawn is nearer.
     bool is_hidden(std::size_t at, double most_reciprocal, bool seen) const
     {
-        constexpr double k_nearer = 1 - 1e-6;
         const TestPixel& pixel = image_.pixels[at];
         const float drawn = seen ? std::max(pixel.first, pixel.depth) : pixel.first;
         return most_reciprocal * static_cast<double>(drawn) < k_nearer;
+    }
+    // The same for all of k_run pixels of a row, from x on.
+    bool is_run_hidden(int x, int y, const Plane& plane) const
+    {
+        const double most = std::max(plane.most_at({x + 0.5, y + 0.5}), plane.most_at({x + k_run - 0.5, y + 0.5}));
+        return most * static_cast<double>(farthest_[run_of(x, y)]) < k_nearer;
+    }
+    std::size_t run_of(int x, int y) const
+    {
+        return static_cast<std::size_t>(y) * runs_ + static_cast<std::size_t>(x / k_run);
+    }
+    // Notes how far what was drawn is at the farthest in the run of a pixel.
+    void measure_run(std::size_t at)
+    {
+        const auto side = static_cast<std::size_t>(image_.side);
+        const std::size_t y = at / side, first = at % side / k_run * k_run;
+        float farthest = 0;
+        for (std::size_t x = first; x < std::min(first + k_run, side); ++x) {
+            const TestPixel& pixel = image_.pixels[y * side + x];
+            farthest = std::max({farthest, pixel.first, pixel.depth});
+        }
+        farthest_[y * runs_ + first / k_run] = farthest;
     }
 
     // Of equally near surfaces, that of the first object is shown.
@@ -141,10 +176,16 @@ class Painter {
         TestPixel& pixel = image_.pixels[at];
         const auto far = static_cast<float>(depth);
         pixel.first = std::min(pixel.first, far);
+        show(pixel, at, far, depth, p, surface);
+        measure_run(at);
+    }
+    void show(TestPixel& pixel, std::size_t at, float far, double depth, const glm::dvec3 (&p)[3],
+              const Surface& surface)
+    {
         if (!surface.seen || !(far < pixel.depth || (far == pixel.depth && surface.object < pixel.object))) return;
         pixel.depth = far;
         pixel.object = surface.object, pixel.triangle = surface.triangle, pixel.from_behind = surface.from_behind;
-        pixel.normal = surface.normal;
+        pixel.normal = glm::vec3(axes_ * surface.normal);
         Shown& shown = shown_[at];
         shown.depth = depth;
         for (int i = 0; i < 3; ++i) shown.p[i] = p[i], shown.corner[i] = surface.corner[i];
@@ -224,9 +265,15 @@ class Painter {
         std::vector<std::uint32_t> slots_;
     };
 
+    static constexpr int k_run = 8;   // pixels of a row that are found hidden together
+    static constexpr double k_nearer = 1 - 1e-6;
+
     TestImage& image_;
+    const glm::dmat3& axes_;
     double scale_, near_;
     std::vector<Shown> shown_;   // by pixel with an object
+    std::size_t runs_;           // of a row
+    std::vector<float> farthest_;
     DrawnSet drawn_;
 };
 
@@ -275,7 +322,7 @@ TestImage draw_test_image(const SceneState& state, const glm::dvec3& eye, const 
     TestImage image;
     image.side = options.side;
     image.pixels.resize(static_cast<std::size_t>(options.side) * static_cast<std::size_t>(options.side));
-    Painter painter(image, std::tan(options.vertical_fov / 2), options.near);
+    Painter painter(image, axes, std::tan(options.vertical_fov / 2), options.near);
     const glm::dmat3 to_camera = glm::transpose(axes);
     const Scene& scene = state.scene();
     std::vector<glm::vec3> at;
@@ -308,7 +355,7 @@ TestImage draw_test_image(const SceneState& state, const glm::dvec3& eye, const 
                 surface.object = id, surface.triangle = t;
                 surface.seen = faces || !material.one_sided();
                 surface.from_behind = !faces;
-                surface.normal = glm::vec3(axes * (cross / (glm::dot(cross, p[0]) < 0 ? length : -length)));
+                surface.normal = cross / (glm::dot(cross, p[0]) < 0 ? length : -length);
                 for (int c = 0; c < 3; ++c) surface.corner[c] = at[index[c]];
                 painter.add(p, surface);
             }
