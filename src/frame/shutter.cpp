@@ -126,9 +126,9 @@ trace::BlurMotion find_motion(const scene::SceneState& state, const scene::View&
         const scene::FrameChanges& changes = posed.advance(shutter.at(fraction(i)));
         const scene::View now = shutter.view_at(posed, fraction(i));
         const bool camera = !same_view(view_before, now);
-        if (camera || !changes.lights_moved.empty() || !changes.lights_relit.empty() ||
-            !changes.materials_changed.empty())
-            motion.everything = true;
+        if (!changes.lights_moved.empty() || !changes.lights_relit.empty() || !changes.materials_changed.empty())
+            motion.relit = true;
+        if (camera) motion.everything = true;
         if (camera) of_camera += way(view_before, places.points, now, places.points);
         double longest = 0;
         for (const scene::ObjectId o : changes.changed) {
@@ -141,11 +141,12 @@ trace::BlurMotion find_motion(const scene::SceneState& state, const scene::View&
                 box.add(glm::vec3(known->second[corner])), box.add(glm::vec3(to[corner]));
             }
             known->second = to;
-            if (emits(posed.scene(), posed.scene().objects[o])) motion.everything = true;
+            if (emits(posed.scene(), posed.scene().objects[o])) motion.relit = true;
         }
         pixels += longest;
         view_before = now;
     }
+    motion.everything = motion.everything || motion.relit;
     for (const auto& [object, box] : boxes) motion.boxes.push_back(box);
     if (!motion.everything && boxes.empty()) return motion;
     pixels = std::max(pixels, k_camera_margin * of_camera);

@@ -12,7 +12,7 @@
 // What no pixel around shows at its centre is not found: something thinner than a pixel has gaps. Where a scene has
 // transparent surfaces, only the edges of opaque ones are clean, also those that are seen through glass.
 //
-// Memory on the host: CentreSample and the sums, 125 bytes a pixel without layers.
+// Memory on the host: CentreSample and the sums, 137 bytes a pixel without layers.
 
 #include <optional>
 #include <vector>

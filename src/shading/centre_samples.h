@@ -31,6 +31,7 @@ struct CentreSample {
     glm::vec3 reflectance{1};
     glm::vec3 mirror{0};                                        // the rest of its specular reflectance
     glm::vec3 mirrored{0};                                      // radiance that the rest brings from other surfaces
+    glm::vec3 bounced{0};                                       // radiance of bounced light that it reflects
     float width = 0;                                            // of the pixel at the surface, across the view
     std::uint32_t object = 0xffffffff, material = 0xffffffff;   // the highest number: it met nothing
     std::uint32_t triangle = 0;                                 // of the object
@@ -40,10 +41,12 @@ struct CentreSample {
 };
 
 struct RefineOptions {
-    float exposure = 1;     // factor that makes the image as bright as a display shows it
-    float edge = 0.03f;     // difference of neighbouring surfaces, as shown() has it, that one sample may hide
-    float light = 0.04f;    // likewise, of light on one surface
-    float agree = 0.03f;    // difference of light on one surface within which samples share it
+    float exposure = 1;            // factor that makes the image as bright as a display shows it
+    float edge = 0.03f;            // difference of neighbouring surfaces, as shown() has it, that one sample may hide
+    float light = 0.04f;           // likewise, of light on one surface
+    float agree = 0.03f;           // difference of light on one surface within which samples share it
+    float agree_bounced = 0.06f;   // likewise, of bounced light
+    int bounced_reach = 8;         // how far away pixels may be, by row and column, whose bounced light a sample takes
     float spread = 0.15f;   // difference of a pixel's samples of several surfaces from which on it has all of them
     float light_spread = 0.12f;   // likewise, of samples of one surface
     float same_normal = 0.9f;     // cosine between normals of neighbours on one surface

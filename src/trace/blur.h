@@ -18,8 +18,10 @@
 // in the pixel are the three dimensions of Sobol's sequence, and the place on the lens is a point of a (0, 2)-sequence;
 // all but the times are scrambled differently in each pixel [Burley 2020].
 //
-// All light is computed anew for each sample, at its time. Only pixels that no moving object may reach, as step 2 has
-// it, keep the bounced light of the shutter's middle.
+// Direct and mirrored light is computed anew for each sample, at its time. Bounced light, which changes little while
+// the shutter is open, is that of the shutter's middle, where the nearest pixels that show a sample's surface agree in
+// it; elsewhere, as on objects that move out of their plane, it is computed, and so it is everywhere while a light or a
+// material changes. Pixels that no moving object may reach, as step 2 has it, keep all of their light.
 //
 // Each step reads what the step before made of the whole image, so that the result does not depend on threads. Memory:
 // 30 bytes a pixel without layers.
@@ -46,6 +48,7 @@ inline constexpr int k_most_blur_times = 64, k_first_blur_samples = 8;
 struct BlurMotion {
     int times = 1;             // at which the scene is posed; 1, or a power of two from k_first_blur_samples on
     bool everything = false;   // every pixel may change: the camera, a light or a material does
+    bool relit = false;        // light changes by more than what moving objects hide and reflect
     std::vector<Box3> boxes;   // of the objects that move, each over the whole time
 };
 
@@ -86,6 +89,7 @@ class Blur {
     }
     int time(const glm::ivec2& pixel, std::uint32_t number) const;
     int channels() const { return sums_.channels; }
+    float exposure() const { return exposure_; }
     bool any() const { return any_; }
     bool touched(int x, int y) const { return any_ && *rounds_.pixel(x, y) > 0; }
 

@@ -29,7 +29,7 @@ class CachedIndirect::Work final : public Worker {
         for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
             const TilePoint& point = batch.points[p];
             const shading::SurfacePoint& s = point.surface;
-            if (!scatters(s)) continue;
+            if (!scatters(s) || point.has_bounced) continue;
             const shadow_culling::ShadowPoint& here = batch.shadow_points[p];
             // Chrome and glass show everything small and from viewpoints of their own, so that its cache points would
             // be many and new in every frame; and a path of low throughput may be coarser.
@@ -91,7 +91,7 @@ class MapIndirect::Work final : public Worker {
         result.point.clear();
         for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
             const shading::SurfacePoint& s = batch.points[p].surface;
-            if (!scatters(s)) continue;
+            if (!scatters(s) || batch.points[p].has_bounced) continue;
             light_quadtree::MapReceiver& receiver = receivers_.emplace_back();
             receiver.position = s.position;
             receiver.normal = s.normal;

@@ -100,6 +100,7 @@ struct TilePoint {
     bool behind = false;        // its light counts as what lies behind the scene: TracedOptions::backdrop_apart
     bool glossy = false;        // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
     bool coat_glossy = false;   // likewise, of its coat's lobe
+    bool has_bounced = false;   // its bounced light is known
     float image_by_lobe = 0;    // what its lobe shows of the environment image, of what it would show by itself
     float hidden = 1;           // at most this share of its hemisphere, by cosine, is filled by surfaces
     glm::vec3 open{0};          // mean radiance that rays of its lobe show of the image where they meet nothing

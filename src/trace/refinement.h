@@ -14,11 +14,12 @@
 // A further sample costs a camera ray and its surface. Where the pixels around it that show the same surface agree in
 // their light, it takes its light from them, at its own reflectance; so edges of objects need no shadow rays and no
 // indirect light. Elsewhere, at edges of shadows and in highlights, the light of the first 4 is computed as that of any
-// other. The last 12 say how much of the pixel each surface covers, and take their light from the samples near them;
-// where all show one surface, they do so if the nearest agree.
+// other, but for bounced light that agrees between the nearest pixels that show the surface. The last 12 say how much
+// of the pixel each surface covers, and take their light from the samples near them; where all show one surface, they
+// do so if the nearest agree.
 //
 // Each step reads what the step before made of the whole image, so that the image depends neither on the order of tiles
-// nor on threads. Memory: CentreSamples, and SampleSums, 80 and 23 bytes a pixel without layers.
+// nor on threads. Memory: CentreSamples, and SampleSums, 92 and 23 bytes a pixel without layers.
 
 #include <array>
 #include <vector>

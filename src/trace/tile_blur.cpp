@@ -71,4 +71,18 @@ void TileTracer::shade_blurred(std::span<const FurtherSample> samples, const Blu
     for (std::size_t i = 0; i < samples.size() && !lobe_light_.empty(); ++i) color_[i] += lobe_light_[i];
 }
 
+// Gives a sample the bounced light of the shutter's middle, where pixels around it show the same surface and agree in
+// it.
+bool TileTracer::take_still_bounced(const TilePoint& point, scene::ObjectId object, std::uint32_t triangle)
+{
+    if (!centres_ || !indirect_ || is_estimate_ || point.behind) return false;
+    if (blur_->options().random || blur_->motion().relit) return false;
+    shading::RefineOptions options = options_.refine;
+    options.exposure = blur_->exposure();
+    const FurtherSample& sample = samples_[point.pixel];
+    const glm::ivec2 at = tile_.pixel_of_image(sample.pixel);
+    const glm::vec2 offset = blur_->sample(at, sample.number).offset - 0.5f;
+    return take_bounced(point, offset, centre_sample(point.surface, object, triangle), *centres_, options, nullptr);
+}
+
 }   // namespace gnomon::trace

@@ -264,6 +264,8 @@ bool TileTracer::take_light_around(TilePoint& point, int step)
         highlights_[point.pixel] += weight * specular[i] * highlights_[from];
         pixel.image_by_lobe += weight * other.image_by_lobe, pixel.hidden += weight * other.hidden;
         pixel.open += weight * other.open;
+        const glm::ivec2 to = tile_.pixel_of_image(point.pixel), there = tile_.pixel_of_image(from);
+        centres_->at(to.x, to.y).bounced += weight * diffuse[i] * centres_->at(there.x, there.y).bounced;
         if (!options_.layers) continue;
         // Highlights are direct light.
         direct_[point.pixel] +=

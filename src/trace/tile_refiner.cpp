@@ -411,6 +411,60 @@ bool TileTracer::take_agreed(const FurtherSample& sample, std::uint32_t to, shad
     return true;
 }
 
+// Gives a further sample, whose other light is computed, the bounced light of the pixels around it that show the same
+// surface, if these agree in it. It changes slowly over a surface, and is dear where only further samples show one, as
+// that needs new cache points. So the nearest pixels that show the surface may be a few away.
+bool TileTracer::take_bounced(const TilePoint& point)
+{
+    if (!indirect_ || is_estimate_ || point.behind) return false;
+    const glm::vec2 offset = scene::refined_offset(static_cast<int>(samples_[point.pixel].number)) - 0.5f;
+    return take_bounced(point, offset, met_[point.pixel], refinement_->centres, refinement_->options,
+                        &refinement_->single.color);
+}
+
+// @param offset  of the sample from its pixel's centre
+// @param own     what the sample met
+// @param color   optional: of the pixels; bounced light beside other light may differ more
+bool TileTracer::take_bounced(const TilePoint& point, const glm::vec2& offset, const shading::CentreSample& own,
+                              const shading::CentreSamples& centres, const shading::RefineOptions& options,
+                              const ImageF* color)
+{
+    constexpr float k_least_square = 1e-4f;   // of a distance in pixels
+    const glm::ivec2 at = tile_.pixel_of_image(samples_[point.pixel].pixel);
+    glm::vec3 low(k_infinity), high(0), mean(0), others(color ? k_infinity : 0);
+    float sum = 0;
+    const auto look_at = [&](int dx, int dy) {
+        const glm::ivec2 there = at + glm::ivec2(dx, dy);
+        if (!centres.inside(there.x, there.y)) return;
+        const shading::CentreSample& other = centres.at(there.x, there.y);
+        if (!shading::same_surface(own, other, options)) return;
+        const glm::vec3 bounced = shading::relit(other.bounced, other.reflectance, own.reflectance);
+        low = glm::min(low, bounced), high = glm::max(high, bounced);
+        if (color) {
+            const glm::vec3 rest = vector_at(*color, there.x, there.y) - other.bounced;
+            others = glm::min(others, glm::max(shading::relit(rest, other, own.reflectance), glm::vec3(0)));
+        }
+        const glm::vec2 apart = offset - glm::vec2(dx, dy);
+        const float weight = 1 / (glm::dot(apart, apart) + k_least_square);
+        mean += weight * bounced, sum += weight;
+    };
+    // Look at the 3 x 3 pixels around it, then at one ring of pixels after the other.
+    for (int reach = 1; reach <= options.bounced_reach && sum == 0; ++reach)
+        for (int dy = -reach; dy <= reach; ++dy) {
+            const bool whole = reach == 1 || std::abs(dy) == reach;
+            for (int dx = -reach; dx <= reach; dx += whole ? 1 : 2 * reach) look_at(dx, dy);
+        }
+    if (!(sum > 0)) return false;
+
+    const glm::vec3 dark = shading::shown(others + low, options.exposure);
+    const glm::vec3 bright = shading::shown(others + high, options.exposure);
+    if (shading::difference(bright, dark) > options.agree_bounced) return false;
+    mean /= sum;
+    color_[point.pixel] += mean;
+    if (options_.layers) indirect_color_[point.pixel] += mean;
+    return true;
+}
+
 // Takes the light of the samples near a sample that show the same surface: those at the centres of the pixels around
 // it, and the first few of its own pixel.
 // @param agreed  only if the nearest of them agree

@@ -425,6 +425,8 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample, bo
         }
 
         if (is_centre) centres_->at(centre.x, centre.y).mirrors = mirrors(point.next);
+        if (primary && refinement_) point.has_bounced = take_bounced(point);
+        if (primary && blur_) point.has_bounced = take_still_bounced(point, hits_.object[i], hits_.triangle[i]);
 
         // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
         glm::vec3 own = unlit_behind;
@@ -588,6 +590,7 @@ void TileTracer::add_indirect(const PointBatch& batch)
     if (!indirect_) return;
     interruption_point();
     indirect_->gather(batch, arrives_);
+    const bool notes = batch.primary && batch.first_sample && centres_ && !shades_further();
     for (std::size_t k = 0; k < arrives_.point.size(); ++k) {
         const TilePoint& point = batch.points[arrives_.point[k]];
         const auto reflected = [&](const glm::vec3& indirect, const glm::vec3& surroundings) {
@@ -606,7 +609,12 @@ void TileTracer::add_indirect(const PointBatch& batch)
                                        below * reflect_irradiance(point.surface, none, glm::vec3(0), surroundings));
         };
         const glm::vec3 surroundings = is_estimate_ ? arrives_.surroundings[k] : glm::vec3(0);
-        add_light(point, reflected(arrives_.irradiance[k], surroundings));
+        const glm::vec3 radiance = reflected(arrives_.irradiance[k], surroundings);
+        add_light(point, radiance);
+        if (notes) {
+            const glm::ivec2 at = tile_.pixel_of_image(point.pixel);
+            centres_->at(at.x, at.y).bounced = radiance;
+        }
         // An environment image counts as direct light, as do the lights that approximate it; the sky does not.
         const bool sky = scene_.background.kind == scene::Background::Kind::sky;
         if (batch.primary && options_.layers) {

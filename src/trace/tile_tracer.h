@@ -113,6 +113,10 @@ class TileTracer {
     void light_texture(const TextureLight& light, const glm::vec2& offset, const shading::CentreSample& sample);
     void scale_light(float* values, const glm::vec3& by) const;
     bool texture_sample(const glm::ivec2& at, const glm::vec2& offset, shading::CentreSample& sample) const;
+    bool take_bounced(const TilePoint& point);
+    bool take_bounced(const TilePoint& point, const glm::vec2& offset, const shading::CentreSample& own,
+                      const shading::CentreSamples& centres, const shading::RefineOptions& options,
+                      const ImageF* color);
     bool take_nearest(const TilePoint& point, shading::CentreSample& own, bool agreed);
     void add_share(std::uint32_t to, shading::CentreSample& own, const shading::CentreSample& of, float weight,
                    const float* values);
@@ -137,6 +141,7 @@ class TileTracer {
     bool take_mirrored_around(const TilePoint& point, int step);
     void follow_lattice(int sample, Stopwatch& watch);
     // Of TileTracer::blur() (tile_blur.cpp).
+    bool take_still_bounced(const TilePoint& point, scene::ObjectId object, std::uint32_t triangle);
     void shade_blurred(std::span<const FurtherSample> samples, const Blur& blur);
     bool take_lobe(const TilePoint& point, const shadow_culling::ShadowPoint& at);
     shading::CentreSample centre_sample(const shading::SurfacePoint& s, scene::ObjectId object,

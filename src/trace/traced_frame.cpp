@@ -383,6 +383,8 @@ FrameCounters trace_blurred(const scene::SceneState& state, const ray::RayScene&
 {
     const FrameContext frame{state, rays, view, tasks};
     Pass pass(frame, options, techniques, nullptr, times);
+    // Those of the shutter's middle, from trace_frame().
+    if (techniques.scratch) pass.centres = &techniques.scratch->centres;
     if (time)
         tasks.for_each(pass.tiles(), [&](std::size_t index, int worker) {
             if (blur.any_active(pass.tile(index))) pass.tracer(worker).blur(pass.tile(index), blur, *time);

@@ -14,6 +14,7 @@
 #include "ray/ray_scene.h"
 #include "scene/builtin/builtin.h"
 #include "trace/frame_scratch.h"
+#include "trace/indirect_light.h"
 #include "trace/traced_frame.h"
 
 namespace gnomon {
@@ -153,6 +154,54 @@ TEST_F(Room, LightThatIsTakenIsNearLightThatIsComputed)
     EXPECT_LT(taken.counters.samples.shaded, computed.counters.samples.shaded);
     EXPECT_EQ(taken.counters.samples.pixels, computed.counters.samples.pixels);
     EXPECT_LT(rmse(taken.buffers.color.data, computed.buffers.color.data), 0.004);
+}
+
+// Bounced light that is one value on either side of a plane, and how many further samples have it computed.
+class StepIndirect final : public trace::IndirectLight {
+ public:
+    explicit StepIndirect(float step) : step_(step) {}
+    void begin_frame(const trace::FrameContext&) override {}
+    std::unique_ptr<Worker> make_worker() override { return std::make_unique<Work>(*this); }
+    FrameCounters::Indirect end_frame(std::span<const std::unique_ptr<Worker>>) override { return {}; }
+    int further = 0;
+
+ private:
+    class Work final : public Worker {
+     public:
+        explicit Work(StepIndirect& light) : light_(light) {}
+        void gather(const trace::PointBatch& batch, trace::IndirectResult& result) override
+        {
+            result.point.clear(), result.irradiance.clear();
+            for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
+                if (batch.points[p].has_bounced) continue;
+                light_.further += batch.scattered() && batch.primary ? 1 : 0;
+                result.point.push_back(p);
+                const bool beyond = batch.points[p].surface.position.x > 0.11f;
+                result.irradiance.emplace_back(beyond ? 1 + light_.step_ : 1);
+            }
+        }
+
+     private:
+        StepIndirect& light_;
+    };
+    float step_;
+};
+
+// The reference computes the bounced light of every further sample whose other light is computed.
+TEST_F(Room, BouncedLightIsTakenWhereItAgrees)
+{
+    Tasks tasks(1);
+    for (const float step : {0.0f, 4.0f}) {
+        StepIndirect some(step), all(step);
+        shading::FrameBuffers taken, computed;
+        trace::trace_frame(state_, rays_, view_, adaptive_, tasks, taken, {.indirect = &some});
+        trace::TracedOptions options = adaptive_;
+        options.refine.bounced_reach = 0;
+        trace::trace_frame(state_, rays_, view_, options, tasks, computed, {.indirect = &all});
+        EXPECT_EQ(some.further > 0, step > 0) << "at the step alone";
+        EXPECT_LT(some.further, all.further / 2) << step;
+        EXPECT_LT(rmse(taken.color.data, computed.color.data), 0.001) << step;
+    }
 }
 
 TEST_F(Room, TilesLeaveNoSeams)

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+// LONG: motion and lens share the scenes and the measures of these tests.
 // Motion blur and depth of field: their closed forms, what they leave alone, and the same bytes however a frame is
 // made.
 #include <gtest/gtest.h>
@@ -326,6 +327,18 @@ TEST(DepthOfField, AnOrthographicCameraHasTheLensOfAMetre)
         options.aperture = 0, options.f_number = 1000 / k_aperture;
         test::expect_same(frame, frame_of(scene, options));
     }
+}
+
+// Computed anew, bounced light took three times as many rays.
+TEST(DepthOfField, BouncedLightIsThatOfTheFrameWithoutLens)
+{
+    const Scene scene = load("builtin:cornell");
+    RenderOptions options{.size = {48, 32}, .samples = k_adaptive_samples, .exposure = 0.0};
+    const FrameCounters sharp = frame_of(scene, options, 5).counters;
+    options.aperture = 200;
+    const FrameCounters blurred = frame_of(scene, options, 5).counters;
+    EXPECT_GT(blurred.samples.taken, 5 * sharp.samples.taken);
+    EXPECT_LT(2 * blurred.indirect.rays, 3 * sharp.indirect.rays);
 }
 
 TEST(DepthOfField, WhatIsInFocusHasTheSameBytes)
