@@ -42,15 +42,15 @@ struct CacheOptions {
 };
 
 /// The options for so many diffuse bounces. More than one asks for a finer first bounce, too, or its errors would be
-/// the largest: more texels of light maps, most of them for suns, and finer cuts.
+/// the largest: finer cuts, and most texels of light maps for suns.
 /// @param emission  bounced light of emissive surfaces starts from patches, not from points that approximate them
 inline CacheOptions options_for_bounces(int bounces, bool emission)
 {
     CacheOptions options;
     options.light_tree.patches.bounces = bounces;
     options.light_tree.patches.emission = emission;
-    if (bounces == 1) return options;
     options.light_tree.leaves = 3u << 16;
+    if (bounces == 1) return options;
     options.light_tree.directional = 2.0f / 3;
     options.cut.error = 0.004f;
     options.part_error = 0.0125f;
