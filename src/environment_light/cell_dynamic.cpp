@@ -13,8 +13,8 @@ void CellVisibility::cover(Scratch& scratch, const glm::vec3& from, float from_r
     constexpr float k_room = 1.0001f;
     const glm::vec3 way = box.centre() - from;
     const float distance = glm::length(way), radius = k_room * (from_radius + 0.5f * box.diagonal());
-    const glm::vec3 inside = glm::max(box.low - from, from - box.high);   // how far outside, by axis
-    if (std::max({inside.x, inside.y, inside.z}) <= k_room * from_radius) {
+    const glm::vec3 outside = glm::max(box.low - from, from - box.high);   // how far, by axis
+    if (std::max({outside.x, outside.y, outside.z}) <= k_room * from_radius) {
         std::fill(scratch.affected.begin(), scratch.affected.end(), ~std::uint64_t{0});
         return;
     }

@@ -179,8 +179,7 @@ class CellVisibility {
     /// @param guides  by asked point, or empty: cells that all guides of a point see, or none, are taken to be as they
     ///                are there, unless one of the probes of the block says otherwise
     /// @param memory  of static points; null: nothing is remembered
-    /// @param moving  the same for what dynamic objects hide, which hides few cells for points farther apart as well;
-    ///                empty: as `guides`
+    /// @param moving  guides for what dynamic objects hide; they may be farther apart. Empty: `guides`
     /// @param first   the asked points before this one are those of the last call, with the same scratch, guides and
     ///                answers: only the others are answered, and these may have guides among all. What `seen` says of
     ///                the former is then without what moves.
