@@ -32,6 +32,12 @@ void say_row(const bench::IndirectRow& r, Output& output)
     };
     output.say(fmt::format("{:14} nRMSE {} ({} against all texels), energy {}", r.method, number(r.nrmse),
                            number(r.nrmse_brute), number(r.energy_ratio)));
+    if (const bench::LocalMeans& means = r.local_means; means.blocks > 0)
+        output.say(
+            fmt::format("{:14} means of blocks of {} pixels: {} of {} differ by more than {:.0f} % ({} beyond "
+                        "the reference's noise); from {:.3f} to {:.3f} times the reference",
+                        "", bench::LocalMeans::k_block, means.off, means.blocks, 100 * bench::LocalMeans::k_bound,
+                        means.surely_off, means.least, means.greatest));
     output.say(fmt::format(
         "{:14} {:.1f} ms moving (median {:.1f}, worst {:.1f}, {:.2f} of it repair), {:.1f} ms static, "
         "{:.1f} ms first frame, {:.1f} ms to rebuild",

@@ -122,6 +122,11 @@ class Bench {
         return has_image() ? e.indirect : e.indirect + e.surroundings;
     }
 
+    const glm::vec3& error_of(const reference::IrradianceEstimate& e) const
+    {
+        return has_image() ? e.indirect_error : e.error;
+    }
+
     // Chooses frames spread over the range, each followed by another frame of it unless the range is a single frame.
     void choose_frames()
     {
@@ -162,7 +167,7 @@ class Bench {
             j.grid = grid_of(image, world.rays, options_.grid);
             j.reference = reference(world, j.grid.points, k_seed, options_.spp);
             for (const reference::IrradianceEstimate& e : j.reference)
-                sum += sum_of(light_of(e)), error += square_of(has_image() ? e.indirect_error : e.error);
+                sum += sum_of(light_of(e)), error += square_of(error_of(e));
             result_.points += j.reference.size();
             if (const bool all_visible = std::all_of(options_.methods.begin(), options_.methods.end(),
                                                      [](const IndirectMethodInfo& m) { return m.visible; });
@@ -296,8 +301,10 @@ class Bench {
                 if (j.frame != frame) continue;
                 last = &j;
                 double own_square = 0, own_sum = 0;
+                std::vector<ComparedPoint> compared;
                 for (std::size_t i = 0; i < j.grid.pixels.size(); ++i) {
                     const glm::vec3& e = light[j.grid.pixels[i]];
+                    compared.push_back({j.grid.pixels[i], e, light_of(j.reference[i]), error_of(j.reference[i])});
                     own_square += square_of(e - light_of(j.reference[i]));
                     sum += sum_of(e), own_sum += sum_of(light_of(j.reference[i]));
                     if (info.visible) continue;
@@ -305,6 +312,7 @@ class Bench {
                 }
                 const double count = 3 * static_cast<double>(j.grid.pixels.size());
                 if (own_sum > 0) row.nrmse_by_frame.push_back(std::sqrt(own_square / count) / (own_sum / count));
+                row.local_means += compare_blocks(compared, options_.size.width);
                 square += own_square, reference_sum += own_sum, values += j.grid.pixels.size();
             }
             if (options_.images && frame == result_.image.frame) row.image = light;

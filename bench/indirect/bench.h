@@ -17,6 +17,7 @@
 #include <functional>
 #include <optional>
 
+#include "bench/indirect/local_means.h"
 #include "bench/indirect/methods.h"
 #include "gnomon/types.h"
 
@@ -63,6 +64,7 @@ struct IndirectRow {
     std::optional<double> nrmse, nrmse_brute, energy_ratio, flicker, flicker_floor;
     std::optional<Change> view_change;   // none for sampling
     std::vector<double> nrmse_by_frame;
+    LocalMeans local_means;
     std::vector<glm::vec3> image;   // irradiance by pixel, if images are kept
 };
 
