@@ -20,8 +20,10 @@
 //
 // Direct and mirrored light is computed anew for each sample, at its time. Bounced light, which changes little while
 // the shutter is open, is that of the shutter's middle, where the nearest pixels that show a sample's surface agree in
-// it; elsewhere, as on objects that move out of their plane, it is computed, and so it is everywhere while a light or a
-// material changes. Pixels that no moving object may reach, as step 2 has it, keep all of their light.
+// it; elsewhere, as in mirror images, that of the nearest places on the object that other samples of the frame have met
+// (bounced_places.h), where these agree. It is computed where neither does, and everywhere while a light or a material
+// changes. Of dim mirrored and refracted paths, some samples follow each. Pixels that no moving object may reach, as
+// step 2 has it, keep all of their light.
 //
 // Each step reads what the step before made of the whole image, so that the result does not depend on threads. Memory:
 // 30 bytes a pixel without layers.
