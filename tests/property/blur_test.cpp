@@ -346,8 +346,8 @@ TEST(DepthOfField, BouncedLightIsThatOfTheFrameWithoutLens)
     EXPECT_LT(2 * blurred.indirect.rays, 3 * sharp.indirect.rays);
 }
 
-// A chrome ball in a room that is lit by bounces.
-Scene chrome()
+// A metal ball in a room that is lit by bounces.
+Scene chrome(float reflectance)
 {
     SceneBuilder builder;
     const auto quad = [&](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, const Vec3& color) {
@@ -376,7 +376,8 @@ Scene chrome()
             indices.insert(indices.end(), {at + 1, at + k_sectors + 1, at + k_sectors + 2});
         }
     const MeshId ball = builder.mesh({.positions = positions, .indices = indices, .normals = normals});
-    builder.instance(ball, builder.material({.base_color = {0.9f, 0.9f, 0.9f}, .metallic = 1, .roughness = 0}));
+    builder.instance(
+        ball, builder.material({.base_color = {reflectance, reflectance, reflectance}, .metallic = 1, .roughness = 0}));
     builder.light({.color = {20, 20, 20}}, Transform::translation(0.7, 3.5, 0.7));
     Camera camera;
     camera.transform = Transform::translation(0, 1.2, 4.5);
@@ -384,30 +385,36 @@ Scene chrome()
     return builder.finish();
 }
 
+struct Blurred {
+    ImageF color;
+    FrameCounters counters;
+};
+
+// 64 samples through a lens, 64 x 48 pixels.
+Blurred blurred(const Scene& scene, bool in_full, std::optional<double> focus = {},
+                Indirect indirect = Indirect::visible)
+{
+    frame::FrameEngine engine({.threads = 2});
+    const RenderOptions options{.samples = 64, .aperture = 40, .focus = focus, .exposure = 0, .indirect = indirect};
+    engine.advance(api::scene_of(scene), 0, options);
+    frame::RenderRequest request;
+    request.shutter.emplace();
+    request.shutter->view_at = [&](const scene::SceneState& state, double) {
+        return engine.view_in(state, 0, {64, 48}, {});
+    };
+    request.blur_in_full = in_full;
+    Blurred result;
+    result.counters = engine.render(engine.make_view(0, {64, 48}), request);
+    result.color = engine.buffers().color;
+    return result;
+}
+
 // Each sample's mirror image shows new places. Computed anew, their bounced light took 3,100 more rays.
 TEST(DepthOfField, MirroredBouncedLightIsSharedBetweenSamples)
 {
-    const Scene scene = chrome();
-    const std::shared_ptr<const scene::Scene> inside = api::scene_of(scene);
-    struct Result {
-        ImageF color;
-        std::uint64_t rays;
-    };
-    const auto render = [&](bool in_full) {
-        frame::FrameEngine engine({.threads = 2});
-        const RenderOptions options{.samples = 64, .aperture = 40, .exposure = 0};
-        engine.advance(inside, 0, options);
-        frame::RenderRequest request;
-        request.shutter.emplace();
-        request.shutter->view_at = [&](const scene::SceneState& state, double) {
-            return engine.view_in(state, 0, {64, 48}, {});
-        };
-        request.blur_in_full = in_full;
-        const FrameCounters counters = engine.render(engine.make_view(0, {64, 48}), request);
-        return Result{engine.buffers().color, counters.indirect.rays};
-    };
-    const Result shared = render(false), computed = render(true);
-    EXPECT_GT(computed.rays, shared.rays + 2500);
+    const Scene scene = chrome(0.9f);
+    const Blurred shared = blurred(scene, false), computed = blurred(scene, true);
+    EXPECT_GT(computed.counters.indirect.rays, shared.counters.indirect.rays + 2500);
     double square = 0, more = 0;
     for (std::size_t i = 0; i < shared.color.data.size(); ++i) {
         const double apart = shown(shared.color.data[i]) - shown(computed.color.data[i]);
@@ -416,6 +423,23 @@ TEST(DepthOfField, MirroredBouncedLightIsSharedBetweenSamples)
     const auto values = static_cast<double>(shared.color.data.size());
     EXPECT_LT(std::sqrt(square / values), 0.004);
     EXPECT_LT(std::abs(more / values), 0.0005);
+}
+
+// A ball that mirrors a twentieth of its surroundings: some samples follow its rays, with as much more weight.
+TEST(DepthOfField, DimPathsAreFollowedByTheirShareOfSamples)
+{
+    const Scene scene = chrome(0.05f);
+    const Blurred some = blurred(scene, false, 1.5, Indirect::off), all = blurred(scene, true, 1.5, Indirect::off);
+    // Half of all rays are those of the frame at the lens's centre.
+    EXPECT_LT(5 * some.counters.reflection_rays, 4 * all.counters.reflection_rays);
+    double sum = 0, of_all = 0;
+    for (int y = 22; y < 32; ++y)
+        for (int x = 26; x < 38; ++x)
+            for (int c = 0; c < 3; ++c)
+                sum += static_cast<double>(some.color.pixel(x, y)[c]),
+                    of_all += static_cast<double>(all.color.pixel(x, y)[c]);
+    EXPECT_GT(of_all, 0.1);
+    EXPECT_NEAR(sum / of_all, 1, 0.02);
 }
 
 TEST(DepthOfField, WhatIsInFocusHasTheSameBytes)
