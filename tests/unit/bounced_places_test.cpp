@@ -30,7 +30,7 @@ TEST(BouncedPlaces, FindsTheNearestOnTheSameSurface)
     for (int i = 0; i < 400; ++i) {
         const glm::vec3 at(random.uniform(-1, 1), 0, random.uniform(-1, 1));
         made.push_back(place_at(at, 2 + at.x));
-        made.push_back(place_at(at - glm::vec3(0, k_reach, 0), 50));
+        made.push_back(place_at(at - glm::vec3(0, 0.3f * k_reach, 0), 50));
         made.push_back(made.front()), made.back().normal = {1, 0, 0}, made.back().irradiance = glm::vec3(70);
         made.push_back(made.front()), made.back().object = 1, made.back().irradiance = glm::vec3(90);
     }
