@@ -23,6 +23,19 @@ def row(name, technique, says, file, original, replacement, *tests):
 
 
 MUTATIONS = (
+    # ---- trace: samples that share light
+    row("places-that-face-away", "trace", "a place takes the bounced light of one that faces another way",
+        "src/trace/bounced_places.cpp",
+        "if (!(glm::dot(other.normal, at.normal) > options_.same_normal)) continue;", "",
+        "unit:BouncedPlaces.*"),
+    row("places-off-the-plane", "trace", "a place takes the bounced light of a surface below its own",
+        "src/trace/bounced_places.cpp",
+        "if (std::abs(glm::dot(apart, at.plane)) > options_.off_plane * reach) continue;", "",
+        "unit:BouncedPlaces.*"),
+    row("dim-paths-lose-light", "trace", "a dim path that some samples follow weighs what it would with all of them",
+        "src/trace/tile_tracer.cpp",
+        "path.throughput *= whole / brings;", "path.throughput *= 1;",
+        "property:DepthOfField.DimPathsAreFollowedByTheirShareOfSamples"),
     # ---- shadow_culling
     row("clear-without-search", "shadow_culling", "a part is proven unshadowed without a look into its shaft",
         "src/shadow_culling/certified/certificates.cpp",

@@ -608,7 +608,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     if (request.shutter && can_blur()) {
         const SeenPlaces places = see_places(*rays_, view);
         trace::BlurOptions blurs{.lens = find_lens(view, options_, places), .samples = std::max(options_.samples, 0)};
-        blurs.random = request.random_blur;
+        blurs.random = request.random_blur, blurs.in_full = request.blur_in_full;
         blur.emplace(find_motion(*state_, view, *request.shutter, places), blurs);
     }
     // Where all pixels are blurred, many samples at the shutter's middle would be in vain.

@@ -72,6 +72,7 @@ struct RenderRequest {
     std::optional<scene::View> previous_view{};
     std::optional<Shutter> shutter{};   // of RenderOptions::shutter and aperture; none: neither
     bool random_blur = false;           // for measurements: BlurOptions::random
+    bool blur_in_full = false;          // likewise: BlurOptions::in_full
     // For measurements, with no technique that keeps a cache.
     Tasks* tasks = nullptr;           // these threads instead of the engine's
     trace::TraceLog* log = nullptr;   // takes the frame's rays; needs a single thread

@@ -147,7 +147,7 @@ trace::BlurMotion find_motion(const scene::SceneState& state, const scene::View&
         view_before = now;
     }
     motion.everything = motion.everything || motion.relit;
-    for (const auto& [object, box] : boxes) motion.boxes.push_back(box);
+    for (const auto& [object, box] : boxes) motion.boxes.push_back(box), motion.objects.push_back(object);
     if (!motion.everything && boxes.empty()) return motion;
     pixels = std::max(pixels, k_camera_margin * of_camera);
     // Longer ways than the image are seen in part.

@@ -111,6 +111,16 @@ BlurSample blur_sample(const glm::ivec2& pixel, std::uint32_t number, int times,
     return sample;
 }
 
+float blur_path_place(const glm::ivec2& pixel, std::uint32_t number, int depth)
+{
+    // Multiples of the golden section fill the unit interval evenly.
+    constexpr std::uint32_t k_golden = 0x9e3779b9u;
+    const std::uint32_t start =
+        mixed(mixed(static_cast<std::uint32_t>(pixel.x)) + static_cast<std::uint32_t>(pixel.y)) +
+        mixed(static_cast<std::uint32_t>(depth) + 1);
+    return fraction(start + number * k_golden);
+}
+
 int Blur::time(const glm::ivec2& pixel, std::uint32_t number) const
 {
     return options_.random ? sample(pixel, number).time : time_of(pixel, number, motion_.times);

@@ -20,8 +20,10 @@
 //
 // Direct and mirrored light is computed anew for each sample, at its time. Bounced light, which changes little while
 // the shutter is open, is that of the shutter's middle, where the nearest pixels that show a sample's surface agree in
-// it; elsewhere, as on objects that move out of their plane, it is computed, and so it is everywhere while a light or a
-// material changes. Pixels that no moving object may reach, as step 2 has it, keep all of their light.
+// it; elsewhere, as in mirror images, that of the nearest places on the object that other samples of the frame have met
+// (bounced_places.h), where these agree. It is computed where neither does, and everywhere while a light or a material
+// changes. Of dim mirrored and refracted paths, some samples follow each. Pixels that no moving object may reach, as
+// step 2 has it, keep all of their light.
 //
 // Each step reads what the step before made of the whole image, so that the result does not depend on threads. Memory:
 // 30 bytes a pixel without layers.
@@ -50,13 +52,16 @@ struct BlurMotion {
     bool everything = false;   // every pixel may change: the camera, a light or a material does
     bool relit = false;        // light changes by more than what moving objects hide and reflect
     std::vector<Box3> boxes;   // of the objects that move, each over the whole time
+    std::vector<scene::ObjectId> objects{};   // these
 };
 
 struct BlurOptions {
     scene::Lens lens{.radius = 0};
     int samples = 0;             // of each touched pixel; 0: in rounds
-    bool random = false;         // for measurements: independent random samples
+    bool random = false;         // for measurements: independent random samples, all of whose light is computed
+    bool in_full = false;        // for measurements: all light of each sample is computed
     float error = 0.0125f;       // of a pixel, where 1 is a display's white, above which it takes more samples
+    float whole_path = 0.125f;   // of a sample's light, below which some samples alone follow a path
     float blurred_from = 0.5f;   // diameter in pixels from which on what is out of focus counts
     float near = 0.5f;           // distance, in diagonals of its box, within which a moving object changes light
 };
@@ -70,6 +75,9 @@ struct BlurSample {
 /// The sample of that number of a pixel. The first 8, 16, 32, 64 and 128 are each well spread over time, lens and
 /// pixel.
 BlurSample blur_sample(const glm::ivec2& pixel, std::uint32_t number, int times, bool random);
+
+/// A fraction, 0 to 1, that is well spread over a pixel's samples and independent of their times and places.
+float blur_path_place(const glm::ivec2& pixel, std::uint32_t number, int depth);
 
 class Blur {
  public:
@@ -90,6 +98,8 @@ class Blur {
     int time(const glm::ivec2& pixel, std::uint32_t number) const;
     int channels() const { return sums_.channels; }
     float exposure() const { return exposure_; }
+    /// Whether samples take light from the frame at the shutter's middle.
+    bool shares() const { return !options_.random && !options_.in_full && !motion_.relit; }
     bool any() const { return any_; }
     bool touched(int x, int y) const { return any_ && *rounds_.pixel(x, y) > 0; }
 

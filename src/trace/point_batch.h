@@ -94,18 +94,20 @@ struct TilePoint {
     shading::Continuation next;
     std::uint32_t pixel;   // as of its path
     glm::vec3 throughput;
-    float parts = 1;            // as of its path
-    bool straight = false;      // see Path
-    std::uint8_t splits = 0;    // likewise
-    bool behind = false;        // its light counts as what lies behind the scene: TracedOptions::backdrop_apart
-    bool glossy = false;        // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
-    bool coat_glossy = false;   // likewise, of its coat's lobe
-    bool has_bounced = false;   // its bounced light is known
-    float image_by_lobe = 0;    // what its lobe shows of the environment image, of what it would show by itself
-    float hidden = 1;           // at most this share of its hemisphere, by cosine, is filled by surfaces
-    glm::vec3 open{0};          // mean radiance that rays of its lobe show of the image where they meet nothing
-    PathEnd end;                // of the path that it ends
-    LobePath lobe;              // likewise
+    float parts = 1;               // as of its path
+    bool straight = false;         // see Path
+    std::uint8_t splits = 0;       // likewise
+    bool behind = false;           // its light counts as what lies behind the scene: TracedOptions::backdrop_apart
+    bool glossy = false;           // its lobe's share of emission and background: see IndirectLight::reflects_lobes()
+    bool coat_glossy = false;      // likewise, of its coat's lobe
+    bool has_bounced = false;      // its bounced light is known
+    bool has_irradiance = false;   // and it is what the surface reflects of `irradiance`
+    glm::vec3 irradiance{0};
+    float image_by_lobe = 0;   // what its lobe shows of the environment image, of what it would show by itself
+    float hidden = 1;          // at most this share of its hemisphere, by cosine, is filled by surfaces
+    glm::vec3 open{0};         // mean radiance that rays of its lobe show of the image where they meet nothing
+    PathEnd end;               // of the path that it ends
+    LobePath lobe;             // likewise
 };
 
 /// The points of one queue. The spans hold until the batch is shaded.

@@ -14,7 +14,8 @@
 // A further sample costs a camera ray and its surface. Where the pixels around it that show the same surface agree in
 // their light, it takes its light from them, at its own reflectance; so edges of objects need no shadow rays and no
 // indirect light. Elsewhere, at edges of shadows and in highlights, the light of the first 4 is computed as that of any
-// other, but for bounced light that agrees between the nearest pixels that show the surface. The last 12 say how much
+// other, but for bounced light that agrees between the nearest pixels that show the surface or, in mirror images and
+// where none shows it, between the nearest places that earlier samples met (bounced_places.h). The last 12 say how much
 // of the pixel each surface covers, and take their light from the samples near them; where all show one surface, they
 // do so if the nearest agree.
 //

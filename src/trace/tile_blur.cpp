@@ -73,10 +73,11 @@ void TileTracer::shade_blurred(std::span<const FurtherSample> samples, const Blu
 
 // Gives a sample the bounced light of the shutter's middle, where pixels around it show the same surface and agree in
 // it.
-bool TileTracer::take_still_bounced(const TilePoint& point, scene::ObjectId object, std::uint32_t triangle)
+TileTracer::Bounced TileTracer::take_still_bounced(const TilePoint& point, scene::ObjectId object,
+                                                   std::uint32_t triangle)
 {
-    if (!centres_ || !indirect_ || is_estimate_ || point.behind) return false;
-    if (blur_->options().random || blur_->motion().relit) return false;
+    if (!centres_ || !indirect_ || is_estimate_ || point.behind) return Bounced::unknown;
+    if (!blur_->shares()) return Bounced::unknown;
     shading::RefineOptions options = options_.refine;
     options.exposure = blur_->exposure();
     const FurtherSample& sample = samples_[point.pixel];

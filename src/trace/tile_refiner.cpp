@@ -414,9 +414,9 @@ bool TileTracer::take_agreed(const FurtherSample& sample, std::uint32_t to, shad
 // Gives a further sample, whose other light is computed, the bounced light of the pixels around it that show the same
 // surface, if these agree in it. It changes slowly over a surface, and is dear where only further samples show one, as
 // that needs new cache points. So the nearest pixels that show the surface may be a few away.
-bool TileTracer::take_bounced(const TilePoint& point)
+TileTracer::Bounced TileTracer::take_bounced(const TilePoint& point)
 {
-    if (!indirect_ || is_estimate_ || point.behind) return false;
+    if (!indirect_ || is_estimate_ || point.behind) return Bounced::unknown;
     const glm::vec2 offset = scene::refined_offset(static_cast<int>(samples_[point.pixel].number)) - 0.5f;
     return take_bounced(point, offset, met_[point.pixel], refinement_->centres, refinement_->options,
                         &refinement_->single.color);
@@ -425,9 +425,9 @@ bool TileTracer::take_bounced(const TilePoint& point)
 // @param offset  of the sample from its pixel's centre
 // @param own     what the sample met
 // @param color   optional: of the pixels; bounced light beside other light may differ more
-bool TileTracer::take_bounced(const TilePoint& point, const glm::vec2& offset, const shading::CentreSample& own,
-                              const shading::CentreSamples& centres, const shading::RefineOptions& options,
-                              const ImageF* color)
+TileTracer::Bounced TileTracer::take_bounced(const TilePoint& point, const glm::vec2& offset,
+                                             const shading::CentreSample& own, const shading::CentreSamples& centres,
+                                             const shading::RefineOptions& options, const ImageF* color)
 {
     constexpr float k_least_square = 1e-4f;   // of a distance in pixels
     const glm::ivec2 at = tile_.pixel_of_image(samples_[point.pixel].pixel);
@@ -454,15 +454,15 @@ bool TileTracer::take_bounced(const TilePoint& point, const glm::vec2& offset, c
             const bool whole = reach == 1 || std::abs(dy) == reach;
             for (int dx = -reach; dx <= reach; dx += whole ? 1 : 2 * reach) look_at(dx, dy);
         }
-    if (!(sum > 0)) return false;
+    if (!(sum > 0)) return Bounced::unknown;
 
     const glm::vec3 dark = shading::shown(others + low, options.exposure);
     const glm::vec3 bright = shading::shown(others + high, options.exposure);
-    if (shading::difference(bright, dark) > options.agree_bounced) return false;
+    if (shading::difference(bright, dark) > options.agree_bounced) return Bounced::disagrees;
     mean /= sum;
     color_[point.pixel] += mean;
     if (options_.layers) indirect_color_[point.pixel] += mean;
-    return true;
+    return Bounced::taken;
 }
 
 // Takes the light of the samples near a sample that show the same surface: those at the centres of the pixels around

@@ -65,7 +65,7 @@ glm::uvec2 random_flip(std::uint64_t seed, std::uint64_t stream)
 
 TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, ShadowTester& shadows,
                        const SizedTechnique& sized, EnvironmentTechnique* environment, IndirectLight* indirect,
-                       LobeImage* lobes, shading::CentreSamples* centres, TraceLog* log)
+                       LobeImage* lobes, shading::CentreSamples* centres, const BouncedPlaces* places, TraceLog* log)
     : state_(frame.state),
       scene_(frame.state.scene()),
       rays_(frame.rays),
@@ -78,6 +78,7 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
       log_(log),
       horizon_(frame.rays),
       centres_(centres),
+      places_(places),
       lobes_(lobes)
 {
     if (options.max_depth > 0 && options.lobe_rays > 0)
@@ -169,6 +170,7 @@ void TileTracer::follow_hits(int sample, Stopwatch& watch)
     const bool notes = refinement_ || (centres_ && sample == 0 && !blur_);
     const std::vector<glm::vec3> without = notes ? color_ : std::vector<glm::vec3>();
     keep_lobes(sample);
+    bounce_ = 0;
     queue_continuations(true);
     follow_paths(sample, watch);
     trace_lobes(sample, watch);
@@ -211,6 +213,7 @@ void TileTracer::follow_paths(int sample, Stopwatch& watch)
 {
     for (int depth = 0; depth < options_.max_depth; ++depth) {
         interruption_point();
+        bounce_ = depth;
         if (depth > 0) queue_continuations(false);
         if (reflected_.rays.empty() && refracted_.rays.empty()) break;
         counters_.reflection_rays += reflected_.rays.size();
@@ -425,8 +428,10 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample, bo
         }
 
         if (is_centre) centres_->at(centre.x, centre.y).mirrors = mirrors(point.next);
-        if (primary && refinement_) point.has_bounced = take_bounced(point);
-        if (primary && blur_) point.has_bounced = take_still_bounced(point, hits_.object[i], hits_.triangle[i]);
+        Bounced bounced = Bounced::unknown;
+        if (primary && refinement_) bounced = take_bounced(point);
+        if (primary && blur_) bounced = take_still_bounced(point, hits_.object[i], hits_.triangle[i]);
+        point.has_bounced = bounced == Bounced::taken;
 
         // Add what needs no ray: emission, ambient light, blurred mirror images of the sky.
         glm::vec3 own = unlit_behind;
@@ -447,6 +452,8 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample, bo
         // An unlit surface faces no light.
         shadow_points_.push_back({s.position + s.offset * s.geometric_normal, unlit ? glm::vec3(0) : s.geometric_normal,
                                   hits_.object[i], hits_.triangle[i], hits_.u[i], hits_.v[i], s.winding_front});
+        if (places_ && shades_further() && bounced == Bounced::unknown)
+            point.has_bounced = point.has_irradiance = take_place(point, shadow_points_.back(), primary);
         normals_.push_back(s.normal);
     }
 }
@@ -584,6 +591,24 @@ void TileTracer::add_image(const PointBatch& batch, std::size_t first, std::size
     watch.end(FrameTimes::shadows);
 }
 
+// What a point sends to the viewer of light that arrives by bounces.
+glm::vec3 TileTracer::reflect_bounced(const TilePoint& point, const glm::vec3& indirect,
+                                      const glm::vec3& surroundings) const
+{
+    const shading::Continuation none;
+    if (!point.glossy) {
+        const glm::vec3 radiance = reflect_irradiance(point.surface, point.next, indirect, surroundings);
+        if (!stands_for_lobe(point)) return point.throughput * radiance;
+        return point.throughput *
+               glm::mix(radiance, below_lobe(point) * reflect_irradiance(point.surface, none, indirect, surroundings),
+                        highlight_share(point.surface));
+    }
+    // What the lobe does not reflect reaches the diffuse layer.
+    const glm::vec3 below = glm::vec3(1) - shading::glossy_albedo(point.surface);
+    return point.throughput * (reflect_irradiance(point.surface, point.next, indirect, glm::vec3(0)) +
+                               below * reflect_irradiance(point.surface, none, glm::vec3(0), surroundings));
+}
+
 // Adds light that arrives by bounces.
 void TileTracer::add_indirect(const PointBatch& batch)
 {
@@ -594,23 +619,12 @@ void TileTracer::add_indirect(const PointBatch& batch)
     for (std::size_t k = 0; k < arrives_.point.size(); ++k) {
         const TilePoint& point = batch.points[arrives_.point[k]];
         const auto reflected = [&](const glm::vec3& indirect, const glm::vec3& surroundings) {
-            const shading::Continuation none;
-            if (!point.glossy) {
-                const glm::vec3 radiance = reflect_irradiance(point.surface, point.next, indirect, surroundings);
-                if (!stands_for_lobe(point)) return point.throughput * radiance;
-                return point.throughput *
-                       glm::mix(radiance,
-                                below_lobe(point) * reflect_irradiance(point.surface, none, indirect, surroundings),
-                                highlight_share(point.surface));
-            }
-            // What the lobe does not reflect reaches the diffuse layer.
-            const glm::vec3 below = glm::vec3(1) - shading::glossy_albedo(point.surface);
-            return point.throughput * (reflect_irradiance(point.surface, point.next, indirect, glm::vec3(0)) +
-                                       below * reflect_irradiance(point.surface, none, glm::vec3(0), surroundings));
+            return reflect_bounced(point, indirect, surroundings);
         };
         const glm::vec3 surroundings = is_estimate_ ? arrives_.surroundings[k] : glm::vec3(0);
         const glm::vec3 radiance = reflected(arrives_.irradiance[k], surroundings);
         add_light(point, radiance);
+        if (places_) note_place(point, batch.shadow_points[arrives_.point[k]], batch.primary, arrives_.irradiance[k]);
         if (notes) {
             const glm::ivec2 at = tile_.pixel_of_image(point.pixel);
             centres_->at(at.x, at.y).bounced = radiance;
@@ -628,6 +642,13 @@ void TileTracer::add_indirect(const PointBatch& batch)
         if (!batch.primary) continue;
         first_irradiance_[point.pixel] += arrives_.irradiance[k];
         first_variance_[point.pixel] += arrives_.irradiance_error[k] * arrives_.irradiance_error[k];
+    }
+    for (std::size_t p = 0; places_ && shades_further() && p < batch.points.size(); ++p) {
+        const TilePoint& point = batch.points[p];
+        if (!point.has_irradiance) continue;
+        const glm::vec3 radiance = reflect_bounced(point, point.irradiance, glm::vec3(0));
+        add_light(point, radiance);
+        if (batch.primary && options_.layers) indirect_color_[point.pixel] += radiance;
     }
     if (!indirect_light_->reflects_lobes()) return;
     for (std::size_t k = 0; k < arrives_.lobe_point.size(); ++k) {
@@ -688,6 +709,21 @@ PathSplits TileTracer::split(const TilePoint& point, glm::vec3& reflected, glm::
     return split_path(point.throughput * parts, options_.min_throughput, point.splits, reflected, refracted);
 }
 
+// Whether a path of a blurred sample is followed: one that brings little of the light of a sample is followed by some
+// of its pixel's samples only, with as much more weight.
+bool TileTracer::goes_on(Path& path) const
+{
+    if (!blur_ || !blur_->shares()) return true;
+    const float whole = blur_->options().whole_path;
+    const float brings = largest(path.throughput) * std::max(path.lobe.rays, 1.0f) * path.parts;
+    if (brings >= whole) return true;
+    const FurtherSample& sample = samples_[path.pixel];
+    const glm::ivec2 at = tile_.pixel_of_image(sample.pixel);
+    if (blur_path_place(at, sample.number, bounce_) * whole >= brings) return false;
+    path.throughput *= whole / brings;
+    return true;
+}
+
 // Queues the mirrored and refracted rays from the points just shaded, each kind by itself.
 // @param primary  they are primary hits, the lobes of which are traced later
 void TileTracer::queue_continuations(bool primary)
@@ -703,8 +739,8 @@ void TileTracer::queue_continuations(bool primary)
                                bool straight = false) {
             const glm::vec3 throughput = point.throughput * weight;
             if (largest(throughput) * std::max(point.lobe.rays, 1.0f) * point.parts < options_.min_throughput) return;
-            to.push({point.pixel, throughput, s.cone, end, point.lobe, point.parts, straight, splits}, origin, 0,
-                    direction, k_infinity);
+            Path path{point.pixel, throughput, s.cone, end, point.lobe, point.parts, straight, splits};
+            if (goes_on(path)) to.push(path, origin, 0, direction, k_infinity);
         };
         if (s.layered) {
             queue_layered(point, lift);
@@ -894,7 +930,7 @@ void TileTracer::queue_layered(const TilePoint& point, const glm::vec3& lift)
         path.throughput *= left;
         path.end.emission = of_rest(shown(sized_.has_value(), sized_.has_value()));
         path.end.background = of_rest(shown(sees_image_, false));
-        next_reflected_.push(path, s.position + lift, 0, c.reflected, k_infinity);
+        if (goes_on(path)) next_reflected_.push(path, s.position + lift, 0, c.reflected, k_infinity);
     }
     shading::find_transmitted(s, c, point.parts > 1, transmitted_);
     for (std::uint32_t number = 0; number < transmitted_.size(); ++number) {
@@ -909,7 +945,7 @@ void TileTracer::queue_layered(const TilePoint& point, const glm::vec3& lift)
         }
         if (largest(through.throughput) * through.parts < options_.min_throughput) continue;
         through.cone.spread += ray.spread;
-        next_refracted_.push(through, s.position - lift, 0, ray.direction, k_infinity);
+        if (goes_on(through)) next_refracted_.push(through, s.position - lift, 0, ray.direction, k_infinity);
     }
 }
 

@@ -8,6 +8,7 @@
 #include "shading/layers.h"
 #include "shading/lobe_rays.h"
 #include "trace/blur.h"
+#include "trace/bounced_places.h"
 #include "trace/environment_lighting.h"
 #include "trace/indirect_light.h"
 #include "trace/kept_tiles.h"
@@ -38,10 +39,12 @@ class TileTracer {
     /// it
     ///                     is part of the colour
     /// @param centres      optional: takes what the pixels' first samples met
+    /// @param places       optional: known places, whose bounced light further samples take. Not
+    ///                     changed: see take_places()
     /// @param log          optional: takes all rays but shadow rays
     TileTracer(const FrameContext& frame, const TracedOptions& options, ShadowTester& shadows,
                const SizedTechnique& sized, EnvironmentTechnique* environment, IndirectLight* indirect,
-               LobeImage* lobes, shading::CentreSamples* centres, TraceLog* log);
+               LobeImage* lobes, shading::CentreSamples* centres, const BouncedPlaces* places, TraceLog* log);
 
     /// @param sums      optional: takes the samples, which `out` then lacks but for the layers of the first one
     /// @param left_out  optional: the sums are without the samples of its touched pixels
@@ -58,6 +61,8 @@ class TileTracer {
     void blur(const Tile& tile, Blur& blur, int time);
     /// Rays other than those of the techniques.
     const FrameCounters& counters() const { return counters_; }
+    /// Places that samples met since the last call, whose bounced light was computed.
+    std::vector<BouncedPlace> take_places() { return std::exchange(new_places_, {}); }
     /// Milliseconds of this thread.
     const FrameTimes& times() const { return times_; }
     std::unique_ptr<ShadowTester::Worker> take_shadows() { return std::move(shadows_); }
@@ -113,10 +118,13 @@ class TileTracer {
     void light_texture(const TextureLight& light, const glm::vec2& offset, const shading::CentreSample& sample);
     void scale_light(float* values, const glm::vec3& by) const;
     bool texture_sample(const glm::ivec2& at, const glm::vec2& offset, shading::CentreSample& sample) const;
-    bool take_bounced(const TilePoint& point);
-    bool take_bounced(const TilePoint& point, const glm::vec2& offset, const shading::CentreSample& own,
-                      const shading::CentreSamples& centres, const shading::RefineOptions& options,
-                      const ImageF* color);
+    // What pixels around a sample know of its bounced light: none shows its surface, or they disagree, or it has
+    // theirs.
+    enum class Bounced { unknown, disagrees, taken };
+    Bounced take_bounced(const TilePoint& point);
+    Bounced take_bounced(const TilePoint& point, const glm::vec2& offset, const shading::CentreSample& own,
+                         const shading::CentreSamples& centres, const shading::RefineOptions& options,
+                         const ImageF* color);
     bool take_nearest(const TilePoint& point, shading::CentreSample& own, bool agreed);
     void add_share(std::uint32_t to, shading::CentreSample& own, const shading::CentreSample& of, float weight,
                    const float* values);
@@ -140,8 +148,14 @@ class TileTracer {
     bool take_light_around(TilePoint& point, int step);
     bool take_mirrored_around(const TilePoint& point, int step);
     void follow_lattice(int sample, Stopwatch& watch);
+    // Of places whose bounced light samples share (tile_places.cpp).
+    std::optional<BouncedPlace> bounced_place(const TilePoint& point, const shadow_culling::ShadowPoint& at,
+                                              bool primary) const;
+    bool take_place(TilePoint& point, const shadow_culling::ShadowPoint& at, bool primary) const;
+    void note_place(const TilePoint& point, const shadow_culling::ShadowPoint& at, bool primary,
+                    const glm::vec3& irradiance);
     // Of TileTracer::blur() (tile_blur.cpp).
-    bool take_still_bounced(const TilePoint& point, scene::ObjectId object, std::uint32_t triangle);
+    Bounced take_still_bounced(const TilePoint& point, scene::ObjectId object, std::uint32_t triangle);
     void shade_blurred(std::span<const FurtherSample> samples, const Blur& blur);
     bool take_lobe(const TilePoint& point, const shadow_culling::ShadowPoint& at);
     shading::CentreSample centre_sample(const shading::SurfacePoint& s, scene::ObjectId object,
@@ -194,8 +208,10 @@ class TileTracer {
     void add_image(const PointBatch& batch, std::size_t first, std::size_t end, Stopwatch& watch);
     void add_sized_lights(const PointBatch& batch, std::size_t first, Stopwatch& watch);
     void add_soft_light(bool primary, int sample, std::size_t first, std::size_t end, Stopwatch& watch);
+    glm::vec3 reflect_bounced(const TilePoint& point, const glm::vec3& indirect, const glm::vec3& surroundings) const;
     void add_indirect(const PointBatch& batch);
     PathSplits split(const TilePoint& point, glm::vec3& reflected, glm::vec3& refracted) const;
+    bool goes_on(Path& path) const;
     void queue_continuations(bool primary);
     void queue_lobe(const TilePoint& point, std::uint32_t first, const glm::uvec2& flip, std::size_t rays,
                     const LobePath& path, float share, LobePixel* kept = nullptr);
@@ -230,6 +246,7 @@ class TileTracer {
 
     Tile tile_;
     PathQueue primary_, reflected_, refracted_, next_reflected_, next_refracted_;
+    int bounce_ = 0;   // of the paths that are followed
     ray::Hits hits_;
     bool hides_surfaces_ = false;             // see hidden_surfaces.h
     std::vector<std::uint64_t> order_;        // of hits_, see sort_hits()
@@ -254,6 +271,8 @@ class TileTracer {
 
     // Adaptive samples.
     shading::CentreSamples* const centres_;
+    const BouncedPlaces* const places_;
+    std::vector<BouncedPlace> new_places_;     // since take_places()
     const Refinement* refinement_ = nullptr;   // while further samples are shaded
     const Blur* blur_ = nullptr;               // likewise, of those of times and lens
     std::span<const FurtherSample> samples_;   // these

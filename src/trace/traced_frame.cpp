@@ -68,6 +68,13 @@ int channels_of(const shading::FrameBuffers& buffers, const TracedOptions& optio
     return channels;
 }
 
+// Whether samples take bounced light from each other.
+bool shares_places(const TracedOptions& options, const Techniques& techniques, const Blur* blur)
+{
+    return options.refine.bounced_reach > 0 && techniques.indirect && !techniques.indirect->is_estimate() &&
+           (!blur || blur->shares());
+}
+
 // Writes the filtered samples to the layers.
 void resolve(const image::SampleSums& sums, std::size_t tiles, Tasks& tasks, shading::FrameBuffers& out,
              const TracedOptions& options)
@@ -91,13 +98,24 @@ class Pass {
 
     std::size_t tiles() const { return tiles_; }
     Tile tile(std::size_t index) const { return tile_at(index, columns_, options_.tile, frame_.view.size); }
+    /// Does something with all tiles, and adds the places that samples meet in them to those that are known.
+    template <class Body>
+    void for_each_tile(const Body& body)
+    {
+        std::vector<std::vector<BouncedPlace>> found(places ? tiles_ : 0);
+        frame_.tasks.for_each(tiles_, [&](std::size_t index, int worker) {
+            body(index, tracer(worker));
+            if (places) found[index] = tracer(worker).take_places();
+        });
+        for (const std::vector<BouncedPlace>& of_tile : found) places->add(of_tile);
+    }
     /// The tracer of a thread.
     TileTracer& tracer(int worker)
     {
         auto& tracer = tracers_[static_cast<std::size_t>(worker)];
         if (!tracer)
             tracer = std::make_unique<TileTracer>(frame_, options_, shadows_, sized_, environment_, indirect_, lobes,
-                                                  centres, log_);
+                                                  centres, places, log_);
         return *tracer;
     }
     /// Whether the light of first hits is that of lights whose changes kept tiles follow.
@@ -115,6 +133,7 @@ class Pass {
 
     LobeImage* lobes = nullptr;                  // of the tracers
     shading::CentreSamples* centres = nullptr;   // likewise
+    BouncedPlaces* places = nullptr;             // likewise
 
  private:
     const FrameContext& frame_;
@@ -265,9 +284,9 @@ void take_further_samples(FrameScratch& scratch, const LobeImage* lobes, const T
     watch.end(FrameTimes::image);
     for (int round = 0; round < RefinedPixels::k_rounds; ++round) {
         report_progress("refining", static_cast<double>(round) / RefinedPixels::k_rounds);
-        tasks.for_each(pass.tiles(), [&](std::size_t index, int worker) {
+        pass.for_each_tile([&](std::size_t index, TileTracer& tracer) {
             const Tile tile = pass.tile(index);
-            if (pixels.any_selected(tile)) pass.tracer(worker).refine(tile, refinement, pixels);
+            if (pixels.any_selected(tile)) tracer.refine(tile, refinement, pixels);
         });
         watch.restart();
         const bool goes_on = pixels.select_next(tasks);
@@ -335,6 +354,8 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     if (options.adaptive || (blur && !filters)) {
         scratch.centres.begin(size);
         pass.centres = &scratch.centres;
+        scratch.places.begin(blur ? blur->motion().objects : std::vector<scene::ObjectId>{});
+        if (shares_places(options, techniques, blur)) pass.places = &scratch.places;
     }
 
     // Follow the tiles that keep their first hits.
@@ -352,11 +373,11 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
     if (filters) sums.emplace(size, options.tile, channels_of(out, options), white);
     std::atomic<std::size_t> done = 0;
     report_progress("tracing", 0);
-    tasks.for_each(pass.tiles(), [&](std::size_t index, int worker) {
+    pass.for_each_tile([&](std::size_t index, TileTracer& tracer) {
         if (kept && kept->keeps())
-            pass.tracer(worker).trace(pass.tile(index), out, index, *kept);
+            tracer.trace(pass.tile(index), out, index, *kept);
         else
-            pass.tracer(worker).trace(pass.tile(index), out, filters ? &*sums : nullptr, filters ? blur : nullptr);
+            tracer.trace(pass.tile(index), out, filters ? &*sums : nullptr, filters ? blur : nullptr);
         report_progress("tracing", static_cast<double>(++done) / static_cast<double>(pass.tiles()));
     });
 
@@ -385,9 +406,10 @@ FrameCounters trace_blurred(const scene::SceneState& state, const ray::RayScene&
     Pass pass(frame, options, techniques, nullptr, times);
     // Those of the shutter's middle, from trace_frame().
     if (techniques.scratch) pass.centres = &techniques.scratch->centres;
+    if (techniques.scratch && shares_places(options, techniques, &blur)) pass.places = &techniques.scratch->places;
     if (time)
-        tasks.for_each(pass.tiles(), [&](std::size_t index, int worker) {
-            if (blur.any_active(pass.tile(index))) pass.tracer(worker).blur(pass.tile(index), blur, *time);
+        pass.for_each_tile([&](std::size_t index, TileTracer& tracer) {
+            if (blur.any_active(pass.tile(index))) tracer.blur(pass.tile(index), blur, *time);
         });
     return pass.end();
 }

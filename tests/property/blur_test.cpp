@@ -79,6 +79,11 @@ Scene boards(const std::vector<Board>& boards, double orthographic_height, const
 
 constexpr int k_frame = 13;
 
+double shown(float x)
+{
+    return std::sqrt(static_cast<double>(x) / (1 + static_cast<double>(x)));
+}
+
 RenderOptions options_of(int samples)
 {
     return {.size = {64, 64}, .samples = samples, .exposure = 0, .indirect = Indirect::off, .threads = 2};
@@ -341,6 +346,102 @@ TEST(DepthOfField, BouncedLightIsThatOfTheFrameWithoutLens)
     EXPECT_LT(2 * blurred.indirect.rays, 3 * sharp.indirect.rays);
 }
 
+// A metal ball in a room that is lit by bounces.
+Scene chrome(float reflectance)
+{
+    SceneBuilder builder;
+    const auto quad = [&](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, const Vec3& color) {
+        const std::vector<Vec3> corners = {a, b, c, d};
+        const std::vector<std::uint32_t> indices = {0, 1, 2, 0, 2, 3};
+        const MeshId mesh = builder.mesh({.positions = corners, .indices = indices});
+        return builder.instance(mesh, builder.material({.base_color = color, .roughness = 1, .ior = 1}));
+    };
+    quad({-2, 0, 2}, {2, 0, 2}, {2, 0, -2}, {-2, 0, -2}, {0.7f, 0.7f, 0.7f});
+    quad({-2, 0, -2}, {2, 0, -2}, {2, 4, -2}, {-2, 4, -2}, {0.7f, 0.3f, 0.3f});
+    quad({-2, 0, 2}, {-2, 0, -2}, {-2, 4, -2}, {-2, 4, 2}, {0.3f, 0.7f, 0.3f});
+    quad({2, 0, -2}, {2, 0, 2}, {2, 4, 2}, {2, 4, -2}, {0.3f, 0.3f, 0.7f});
+    quad({-2, 4, -2}, {2, 4, -2}, {2, 4, 2}, {-2, 4, 2}, {0.7f, 0.7f, 0.7f});
+    constexpr int k_rings = 24, k_sectors = 48;
+    std::vector<Vec3> positions, normals;
+    std::vector<std::uint32_t> indices;
+    for (int i = 0; i <= k_rings; ++i)
+        for (int j = 0; j <= k_sectors; ++j) {
+            const auto down = static_cast<float>(k_pi * i / k_rings);
+            const auto around = static_cast<float>(2 * k_pi * j / k_sectors);
+            const Vec3 n{std::sin(down) * std::sin(around), std::cos(down), std::sin(down) * std::cos(around)};
+            normals.push_back(n), positions.push_back({0.8f * n.x, 0.9f + 0.8f * n.y, 0.8f * n.z});
+            if (i == k_rings || j == k_sectors) continue;
+            const auto at = static_cast<std::uint32_t>(i * (k_sectors + 1) + j);
+            indices.insert(indices.end(), {at, at + k_sectors + 1, at + 1});
+            indices.insert(indices.end(), {at + 1, at + k_sectors + 1, at + k_sectors + 2});
+        }
+    const MeshId ball = builder.mesh({.positions = positions, .indices = indices, .normals = normals});
+    builder.instance(
+        ball, builder.material({.base_color = {reflectance, reflectance, reflectance}, .metallic = 1, .roughness = 0}));
+    builder.light({.color = {20, 20, 20}}, Transform::translation(0.7, 3.5, 0.7));
+    Camera camera;
+    camera.transform = Transform::translation(0, 1.2, 4.5);
+    builder.camera(camera);
+    return builder.finish();
+}
+
+struct Blurred {
+    ImageF color;
+    FrameCounters counters;
+};
+
+// 64 samples through a lens, 64 x 48 pixels.
+Blurred blurred(const Scene& scene, bool in_full, std::optional<double> focus = {},
+                Indirect indirect = Indirect::visible)
+{
+    frame::FrameEngine engine({.threads = 2});
+    const RenderOptions options{.samples = 64, .aperture = 40, .focus = focus, .exposure = 0, .indirect = indirect};
+    engine.advance(api::scene_of(scene), 0, options);
+    frame::RenderRequest request;
+    request.shutter.emplace();
+    request.shutter->view_at = [&](const scene::SceneState& state, double) {
+        return engine.view_in(state, 0, {64, 48}, {});
+    };
+    request.blur_in_full = in_full;
+    Blurred result;
+    result.counters = engine.render(engine.make_view(0, {64, 48}), request);
+    result.color = engine.buffers().color;
+    return result;
+}
+
+// Each sample's mirror image shows new places. Computed anew, their bounced light took 3,100 more rays.
+TEST(DepthOfField, MirroredBouncedLightIsSharedBetweenSamples)
+{
+    const Scene scene = chrome(0.9f);
+    const Blurred shared = blurred(scene, false), computed = blurred(scene, true);
+    EXPECT_GT(computed.counters.indirect.rays, shared.counters.indirect.rays + 2500);
+    double square = 0, more = 0;
+    for (std::size_t i = 0; i < shared.color.data.size(); ++i) {
+        const double apart = shown(shared.color.data[i]) - shown(computed.color.data[i]);
+        square += apart * apart, more += apart;
+    }
+    const auto values = static_cast<double>(shared.color.data.size());
+    EXPECT_LT(std::sqrt(square / values), 0.004);
+    EXPECT_LT(std::abs(more / values), 0.0005);
+}
+
+// A ball that mirrors a twentieth of its surroundings: some samples follow its rays, with as much more weight.
+TEST(DepthOfField, DimPathsAreFollowedByTheirShareOfSamples)
+{
+    const Scene scene = chrome(0.05f);
+    const Blurred some = blurred(scene, false, 1.5, Indirect::off), all = blurred(scene, true, 1.5, Indirect::off);
+    // Half of all rays are those of the frame at the lens's centre.
+    EXPECT_LT(5 * some.counters.reflection_rays, 4 * all.counters.reflection_rays);
+    double sum = 0, of_all = 0;
+    for (int y = 22; y < 32; ++y)
+        for (int x = 26; x < 38; ++x)
+            for (int c = 0; c < 3; ++c)
+                sum += static_cast<double>(some.color.pixel(x, y)[c]),
+                    of_all += static_cast<double>(all.color.pixel(x, y)[c]);
+    EXPECT_GT(of_all, 0.1);
+    EXPECT_NEAR(sum / of_all, 1, 0.02);
+}
+
 TEST(DepthOfField, WhatIsInFocusHasTheSameBytes)
 {
     const Scene scene = boards({{.color = {0.3f, 0.6f, 0.2f}, .side = 3, .at = {-1, 0, -5}},
@@ -420,11 +521,6 @@ TEST(Lens, RaysOfAnOrthographicViewMeetInThePlaneOfFocus)
     }
     EXPECT_EQ(scene::circle_of_confusion(view, lens, 3), 0);
     EXPECT_NEAR(scene::circle_of_confusion(view, lens, 6), 0.4f / 0.02f, 1e-4f);
-}
-
-double shown(float x)
-{
-    return std::sqrt(static_cast<double>(x) / (1 + static_cast<double>(x)));
 }
 
 // Root mean square of the differences, as shading::shown() has them, where a frame differs from one without blur.
@@ -567,6 +663,18 @@ TEST(BlurSample, EachRoundFillsTheStrataOfTimeEvenly)
                 ++in[static_cast<std::size_t>(trace::blur_sample(pixel, s, 64, false).time) * in.size() / 64];
             for (const std::uint32_t count : in) EXPECT_EQ(count, samples / in.size());
         }
+}
+
+TEST(BlurSample, PathsOfARoundAreFollowedByTheirShare)
+{
+    for (const glm::ivec2 pixel : {glm::ivec2(0, 0), glm::ivec2(17, 3), glm::ivec2(200, 301)})
+        for (int depth = 0; depth < 3; ++depth)
+            for (const float share : {0.1f, 0.3f, 0.7f}) {
+                int followed = 0;
+                for (std::uint32_t number = 0; number < 64; ++number)
+                    followed += trace::blur_path_place(pixel, number, depth) < share ? 1 : 0;
+                EXPECT_NEAR(static_cast<float>(followed), 64 * share, 2.5f) << share;
+            }
 }
 
 TEST(BlurSample, PlacesOfARoundFillThePixelAndTheLensEvenly)
