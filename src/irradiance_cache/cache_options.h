@@ -16,8 +16,8 @@ struct CacheOptions {
     float widest = 24, narrowest = 12;
     float level_blend = 0.3f;     // fraction of a level of detail over which it fades into the next
     float pixels_per_part = 6;    // spacing of parts of dynamic objects
-    float pixels_per_leaf = 16;   // spacing of points on small triangles that no lattice fits: foliage, rods
-    float pixels_per_finer = 6;   // the same where those do not represent the pixel
+    float pixels_per_leaf = 4;    // spacing of points on small triangles that no lattice fits: foliage, rods
+    float pixels_per_finer = 4;   // the same where those do not represent the pixel: slices of slender triangles
     float pixels_per_own = 1;     // size of the part around the pixel itself, used where all other points are dark
     float pixels_per_mean = 2;    // spacing of the finest parts for points of which a mean is shown
     CutOptions cut;               // of lattice points
@@ -28,6 +28,7 @@ struct CacheOptions {
     // Nodes of a longer cut whose visibility is tested (light_tree/tested_nodes.h): of lattice points, and of parts.
     // All of points on dynamic objects are.
     std::uint32_t tested = 512, tested_of_part = 128;
+    std::size_t sky_parts = 8;        // of a direction of the sky that lies at the edge of an opening
     std::size_t sky_of_parts = 256;   // directions of the sky for parts of static objects (points/sky_light.h)
     // Near field (near_field/near_light.h): its radius, in mean widths of leaves of the light tree, and in widths of
     // the leaf at the lit place if that is less; and the spacing of lattice points, in radii, above which these hold

@@ -38,7 +38,7 @@ IrradianceCache::IrradianceCache(const scene::SceneState& state, const ray::RayS
                                  Tasks& tasks)
     : options_(options),
       lights_(state, rays, options.light_tree, tasks),
-      sky_(state.scene().background),
+      sky_(state.scene().background, k_sky_directions, options.sky_parts),
       sky_of_parts_(state.scene().background, options.sky_of_parts),
       casters_(state),
       triangles_(state.scene()),

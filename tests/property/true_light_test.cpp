@@ -91,8 +91,8 @@ TEST(TrueLight, OfTheSkyIsThatOfTheReference)
     made.background.kind = scene::Background::Kind::sky;
     made.finish();
     const Scene scene = api::public_scene(std::make_shared<const scene::Scene>(std::move(made)));
-    expect_true_energy(scene, 3, 1, 64);
-    expect_true_energy(scene, 3, k_all_bounces, 64, 0.035);
+    expect_true_energy(scene, 3, 1, 128);
+    expect_true_energy(scene, 3, k_all_bounces, 128);
 }
 
 // Surfaces of AFF: their light has no falloff, and their colours are radiance per irradiance.

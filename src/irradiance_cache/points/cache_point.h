@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "irradiance_cache/light_tree/point_kernels.h"
 #include "irradiance_cache/points/anchors.h"
@@ -53,7 +54,8 @@ struct CachePoint {
     std::uint32_t kept = 0;      // the device's name for them, if count > 0
     std::uint32_t patches = 0;   // nodes over patches begin at this place, or up to k_seen_step before it
     std::unique_ptr<SeenNode[]> seen;
-    SkyMask sky;   // directions of the sky that are visible past static geometry
+    SkyMask sky;                                 // directions of the sky that are visible past static geometry
+    std::vector<DividedDirection> divided_sky;   // those that are visible in part; not in `sky`
     // The last frame in which a thread claimed the point, and the last one in which it was ready, or abandoned.
     std::atomic<std::uint32_t> claimed{0}, ready{0};
 

@@ -52,7 +52,7 @@ void CpuEvaluator::find_visible_nodes(const CacheFrame& frame, std::span<CachePo
             point.version = version;
             point.dynamic_version = 0;
         });
-        visibility.trace_sky(frame, tester, scratch.counters);
+        table_.resized(0, static_cast<std::size_t>(visibility.trace_sky(frame, tester, scratch.counters)));
     }
 }
 

@@ -111,7 +111,7 @@ void DeviceEvaluator::find_visible_nodes(const CacheFrame& frame, std::span<Cach
                 lists[p++].count = static_cast<std::uint32_t>(visible.size());
                 std::fill(point.static_light, point.static_light + 3, glm::vec3(0));   // the sky's alone
             });
-        own.visibility.trace_sky(frame, tester(frame), own.counters);
+        table_.resized(0, static_cast<std::size_t>(own.visibility.trace_sky(frame, tester(frame), own.counters)));
     });
     std::vector<SeenNode> all;
     for (const std::vector<SeenNode>& some : seen) all.insert(all.end(), some.begin(), some.end());

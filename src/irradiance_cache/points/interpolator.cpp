@@ -22,6 +22,10 @@ constexpr float k_least_weight = 0.02f, k_full_weight = 0.15f;
 // A surface point that lies deeper than this fraction of the spacing below the plane of a cache point takes its light
 // only if it sees it: what lies in a joint or between tiles has not the light of what is above.
 constexpr float k_deep = 0.06f;
+// On triangles smaller than the spacing, a level contributes less if one of its cache points is farther from the
+// surface point's plane than the first fraction of the spacing, and nothing from the second on: between roof tiles or
+// in folds of a curtain, light changes as often as the surface rises and falls, and what is seen are the crests.
+constexpr float k_even = 0.02f, k_uneven = 0.04f;
 // Fraction of a point's irradiance that may come from a level that is slightly too coarse.
 constexpr float k_least_rest = 0.02f;
 
@@ -70,6 +74,8 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
         // Leave to the next level, if there is one, what comes from points whose light changes too much within a
         // spacing.
         weight *= 1 - steep_[k];
+        // Leave to the next level, too, what is less even than the spacing can show.
+        weight *= 1 - unevenness(frame, work.cells[request.cell], point);
         // Let this level provide an invisible rest, too; all weights still sum to 1.
         if (const float rest = request.weight - weight; rest < 2 * k_least_rest)
             weight = std::min(request.weight, request.weight - 2 * std::max(rest - k_least_rest, 0.0f));
@@ -90,6 +96,28 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
             work.parts.push_back({request.point, (1 - finest) * request.weight, 0, nullptr, request.fallback});
     }
     work.lattice.resize(kept);
+}
+
+// How much of a surface point's light a cell cannot show, 0 to 1, because the surface rises and falls in between.
+float Interpolator::unevenness(const CacheFrame& frame, const CollectedCell& cell, const IndirectPoint& point)
+{
+    const float spacing = spacing_of(cell.level);
+    const CellAnchors& anchors = cell.anchors;
+    const glm::vec3 &p = point.position, &n = point.geometric_normal;
+    float most = 0;
+    for (int i = 0; i < 4; ++i) {
+        const float height =
+            std::abs((anchors.x[i] - p.x) * n.x + (anchors.y[i] - p.y) * n.y + (anchors.z[i] - p.z) * n.z);
+        const glm::vec3 normal(anchors.nx[i], anchors.ny[i], anchors.nz[i]);
+        if (height < k_plane_distance * spacing && glm::dot(normal, point.normal) > k_facing)
+            most = std::max(most, height);
+    }
+    const float uneven = std::clamp((most / spacing - k_even) / (k_uneven - k_even), 0.0f, 1.0f);
+    if (!(uneven > 0)) return 0;
+    glm::vec3 corner[3];
+    frame.rays->geometry(point.object).corners(point.triangle, corner);
+    const float side = std::sqrt(glm::length(glm::cross(corner[1] - corner[0], corner[2] - corner[0])));
+    return side < spacing ? uneven * frame.fade_in(spacing / side - 1) : 0;
 }
 
 // Interpolates again where a surface point lies deep below cache points of its cell: without those that geometry hides

@@ -3,9 +3,9 @@
 // Step 3 of the irradiance cache, interpolate: blends the irradiance of evaluated cache points at surface points.
 //
 // A level of the lattice contributes as far as its points lie near the surface point's plane, face the same way and are
-// not separated from it by a wall, nor hidden from it where it lies below them; the rest of the weight goes to finer
-// levels, and in the end to parts of triangles. Each level fades in and out over a fraction of its range, so irradiance
-// changes continuously with the distance.
+// not separated from it by a wall, nor hidden from it where it lies below them, and as far as the surface is even
+// between them; the rest of the weight goes to finer levels, and in the end to parts of triangles. Each level fades in
+// and out over a fraction of its range, so irradiance changes continuously with the distance.
 
 #include "irradiance_cache/points/collector.h"
 
@@ -36,6 +36,7 @@ class Interpolator {
     void leave_out_hidden(const CacheFrame& frame, std::span<const IndirectPoint> points, const BatchWork& work,
                           CacheCounters& counters);
     void find_steep(const BatchWork& work);
+    static float unevenness(const CacheFrame& frame, const CollectedCell& cell, const IndirectPoint& point);
     Arriving fallback(const BatchWork& work, std::size_t request);
 
     LatticeLight light_, around_;

@@ -190,9 +190,30 @@ void StaticVisibility::find_local()
     }
 }
 
-void StaticVisibility::trace_sky(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters)
+std::ptrdiff_t StaticVisibility::trace_sky(const CacheFrame& frame, const OcclusionTester& tester,
+                                           CacheCounters& counters)
 {
-    if (!frame.sky.any()) return find_local();
+    std::ptrdiff_t more = 0;
+    if (frame.sky.any()) {
+        see_sky(frame, tester, counters);
+        more = divide_sky(frame, tester, counters);
+    }
+    find_local();
+    return more;
+}
+
+// Adds light of the sky to a point's static light.
+void StaticVisibility::add_sky(Added& added, const glm::vec3& light, const glm::vec3& direction)
+{
+    CachePoint& point = *added.point;
+    added.close.farther += luminance(light) * glm::dot(direction, point.normal);
+    for (int colour = 0; colour < 3; ++colour) point.static_light[colour] += light[colour] * direction;
+}
+
+// Finds which directions of the sky the points see. Adds the light of those that are not divided, and divides the
+// others.
+void StaticVisibility::see_sky(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters)
+{
     rays_.clear();
     for (const Added& added : added_) {
         const SkyLight& sky = sky_over(frame, *added.point);
@@ -202,24 +223,86 @@ void StaticVisibility::trace_sky(const CacheFrame& frame, const OcclusionTester&
     }
     tester.test(rays_, ray::Against::static_only, occluded_, counters);
     const bool thins = frame.rays->thins_light();
-    passes_.resize(thins ? rays_.size() : 0);
-    if (thins) frame.rays->let_through(rays_, 0, rays_.size(), passes_.data(), ray::Against::static_only);
+    sky_passes_.resize(thins ? rays_.size() : 0);
+    if (thins) frame.rays->let_through(rays_, 0, rays_.size(), sky_passes_.data(), ray::Against::static_only);
     std::size_t next = 0;
     for (Added& added : added_) {
         CachePoint& point = *added.point;
-        point.sky = {};
         const SkyLight& sky = sky_over(frame, point);
+        SkyMask seen, all;
+        const std::size_t first = added.sky_ray = next;
         for (std::size_t i = 0; i < sky.directions(); ++i) {
             if (!above(point, sky.direction(i))) continue;
-            const std::size_t r = next++;
-            if (occluded_[r]) continue;
-            point.sky.set(i);
-            const glm::vec3 light = thins ? sky.light(i) * passes_[r] : sky.light(i);
-            added.close.farther += luminance(light) * glm::dot(sky.direction(i), point.normal);
-            for (int colour = 0; colour < 3; ++colour) point.static_light[colour] += light[colour] * sky.direction(i);
+            all.set(i);
+            if (!occluded_[next++]) seen.set(i);
         }
+        added.sky_above = all, added.sky_seen = seen;
+        added.sky_edges = sky.divides() && is_lattice(point.key) ? sky.edges(all, seen) : SkyMask{};
+        point.sky = seen.without(added.sky_edges);
+        next = first;
+        all.for_each([&](std::size_t i) {
+            const std::size_t r = next++;
+            if (point.sky.test(i))
+                add_sky(added, thins ? sky.light(i) * sky_passes_[r] : sky.light(i), sky.direction(i));
+        });
     }
-    find_local();
+}
+
+// Divides the directions of the sky at the edges of openings, and adds the light of the parts that points see.
+std::ptrdiff_t StaticVisibility::divide_sky(const CacheFrame& frame, const OcclusionTester& tester,
+                                            CacheCounters& counters)
+{
+    rays_.clear();
+    for (const Added& added : added_)
+        added.sky_edges.for_each([&](std::size_t i) {
+            for (const SkyLight::Part& part : frame.sky.parts(i))
+                rays_.push(added.point->origin(), 0, part.direction, k_infinity);
+        });
+    tester.test(rays_, ray::Against::static_only, occluded_, counters);
+    const bool thins = frame.rays->thins_light();
+    passes_.resize(thins ? rays_.size() : 0);
+    if (thins) frame.rays->let_through(rays_, 0, rays_.size(), passes_.data(), ray::Against::static_only);
+    std::ptrdiff_t more = 0;
+    std::size_t next = 0;
+    for (Added& added : added_) {
+        CachePoint& point = *added.point;
+        more -= static_cast<std::ptrdiff_t>(point.divided_sky.size());
+        std::vector<DividedDirection> divided;
+        const std::size_t first = next;
+        added.sky_edges.for_each([&](std::size_t i) {
+            DividedDirection direction{static_cast<std::uint16_t>(i), 0};
+            const std::span<const SkyLight::Part> parts = frame.sky.parts(i);
+            for (std::size_t k = 0; k < parts.size(); ++k)
+                if (!occluded_[next++] && above(point, parts[k].direction))
+                    direction.seen = static_cast<std::uint16_t>(direction.seen | (1u << k));
+            divided.push_back(direction);
+        });
+        frame.sky.take_back(added.sky_above, added.sky_seen, divided);
+        // Add the light of the parts, and of the directions that are not divided after all.
+        std::size_t kept = 0;
+        next = first;
+        added.sky_edges.for_each([&](std::size_t i) {
+            const std::span<const SkyLight::Part> parts = frame.sky.parts(i);
+            const std::size_t ray = next;
+            next += parts.size();
+            const bool whole = kept == divided.size() || divided[kept].direction != i;
+            const std::uint16_t seen = whole ? 0 : divided[kept++].seen;
+            if (whole && added.sky_seen.test(i)) {
+                point.sky.set(i);
+                glm::vec3 light = frame.sky.light(i);
+                if (thins) light *= sky_passes_[added.sky_ray + added.sky_above.rank(i)];
+                add_sky(added, light, frame.sky.direction(i));
+            }
+            for (std::size_t k = 0; k < parts.size(); ++k)
+                if ((seen >> k) & 1)
+                    add_sky(added, thins ? parts[k].light * passes_[ray + k] : parts[k].light, parts[k].direction);
+        });
+        std::erase_if(divided, [](const DividedDirection& d) { return d.seen == 0; });
+        divided.shrink_to_fit();
+        point.divided_sky = std::move(divided);
+        more += static_cast<std::ptrdiff_t>(point.divided_sky.size());
+    }
+    return more;
 }
 
 void PresentLight::clear()
@@ -241,32 +324,43 @@ void PresentLight::correct_sky(const CacheFrame& frame, CachePoint& point)
 {
     const SkyLight& sky = sky_over(frame, point);
     if (!sky.any()) return;
+    SkyMask divided;
+    for (const DividedDirection& direction : point.divided_sky) divided.set(direction.direction);
     SkyMask hidden;
     SkyMask near;
     frame.dynamic_bounds.any(
         [&](const Sphere& sphere) {
-            near = sky.towards(sphere.centre - point.origin(), sphere.radius) & point.sky;
+            const glm::vec3 at = sphere.centre - point.origin();
+            near = sky.towards(at, sphere.radius) & point.sky;
+            if (!point.divided_sky.empty()) near |= sky.towards(at, sphere.radius, true) & divided;
             return near.any();
         },
         [&](const Sphere&) {
             hidden |= near;
             return false;
         });
+    // Collect the light of these directions, and of the visible parts of those that are divided.
+    hidden_.clear();
+    (hidden & point.sky).for_each([&](std::size_t i) { hidden_.push_back({sky.direction(i), sky.light(i)}); });
+    for (const DividedDirection& direction : point.divided_sky) {
+        if (!hidden.test(direction.direction)) continue;
+        const std::span<const SkyLight::Part> parts = sky.parts(direction.direction);
+        for (std::size_t k = 0; k < parts.size(); ++k)
+            if ((direction.seen >> k) & 1) hidden_.push_back(parts[k]);
+    }
     // Static surfaces thin some of it.
-    const bool thins = frame.rays->thins_light();
-    if (thins) {
+    if (frame.rays->thins_light()) {
         hidden_rays_.clear();
-        hidden.for_each([&](std::size_t i) { hidden_rays_.push(point.origin(), 0, sky.direction(i), k_infinity); });
+        for (const SkyLight::Part& part : hidden_) hidden_rays_.push(point.origin(), 0, part.direction, k_infinity);
         passes_.resize(hidden_rays_.size());
         frame.rays->let_through(hidden_rays_, 0, hidden_rays_.size(), passes_.data(), ray::Against::static_only);
+        for (std::size_t k = 0; k < hidden_.size(); ++k) hidden_[k].light *= passes_[k];
     }
-    std::size_t next = 0;
-    hidden.for_each([&](std::size_t i) {
-        const glm::vec3 light = thins ? sky.light(i) * passes_[next++] : sky.light(i);
-        point.add_light(-light, sky.direction(i));
-        rays_.push(point.origin(), 0, sky.direction(i), k_infinity);
-        contributions_.push_back({&point, light, sky.direction(i)});
-    });
+    for (const SkyLight::Part& part : hidden_) {
+        point.add_light(-part.light, part.direction);
+        rays_.push(point.origin(), 0, part.direction, k_infinity);
+        contributions_.push_back({&point, part.light, part.direction});
+    }
 }
 
 void PresentLight::add_dynamic_lights(const CacheFrame& frame, CachePoint& point)

@@ -42,21 +42,27 @@ class StaticVisibility {
                      const Store& store);
     /// Traces rays to the sky, and adds the light of visible directions to the points' static light.
     /// Completes the points. @pre trace_nodes() was called
-    void trace_sky(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters);
+    /// @return  by how many the points' divided directions became more; may be negative
+    std::ptrdiff_t trace_sky(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters);
 
  private:
     void thin_nodes(const CacheFrame& frame);
 
     struct Added {
         CachePoint* point;
-        std::size_t first;    // of its rays
-        std::size_t near;     // its number among points with near patches, or NearPatches::k_none
-        CloseLight close{};   // lattice points
+        std::size_t first;         // of its rays
+        std::size_t near;          // its number among points with near patches, or NearPatches::k_none
+        CloseLight close{};        // lattice points
+        std::size_t sky_ray = 0;   // its first one
+        SkyMask sky_above{}, sky_seen{}, sky_edges{};   // directions above it; of these, seen; divided
     };
     void add_close_nodes(const CacheFrame& frame, Added& added) const;
     void add_beyond(const CacheFrame& frame, std::size_t nodes, Added& added) const;
     glm::vec3 facing_of_seen(const CacheFrame& frame, const CachePoint& point) const;
     void find_local();
+    void see_sky(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters);
+    std::ptrdiff_t divide_sky(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters);
+    static void add_sky(Added& added, const glm::vec3& light, const glm::vec3& direction);
     void add_node(const CacheFrame& frame, const CachePoint& point, NodeId node, float weight, const NearOptions* near);
     static constexpr float k_close = 1.0f;   // spacings
     std::vector<Added> added_;
@@ -71,7 +77,7 @@ class StaticVisibility {
     std::vector<float> weights_;   // by ray
     std::vector<SeenNode> seen_;   // of one point
     std::vector<std::uint8_t> occluded_;
-    std::vector<glm::vec3> passes_;   // by ray, where anything thins light
+    std::vector<glm::vec3> passes_, sky_passes_;   // by ray, where anything thins light
 };
 
 /// Corrections of static light by what dynamic objects change in this frame.
@@ -101,8 +107,9 @@ class PresentLight {
     ray::RayQueue rays_, bounce_rays_;
     std::vector<Contribution> contributions_, bounces_;
     std::vector<std::uint8_t> occluded_;
-    std::vector<glm::vec3> passes_;   // by ray, where anything thins light
-    ray::RayQueue hidden_rays_;       // to hidden directions of the sky
+    std::vector<glm::vec3> passes_;        // by ray, where anything thins light
+    std::vector<SkyLight::Part> hidden_;   // the sky's light that a dynamic object may hide
+    ray::RayQueue hidden_rays_;
 };
 
 /// After all corrections: light of which only rounding errors are left becomes 0, because a dark point is treated

@@ -11,7 +11,7 @@ constexpr std::size_t k_least_slots = 256;
 
 std::size_t bytes_of(const CachePoint& p)
 {
-    return sizeof(CachePoint) + p.count * sizeof(SeenNode);
+    return sizeof(CachePoint) + (p.count + p.divided_sky.size()) * sizeof(SeenNode);
 }
 
 }   // namespace
@@ -74,7 +74,7 @@ void PointTable::drop_unseen(std::uint32_t frame, std::size_t budget,
     for (Shard& shard : shards_) {
         std::erase_if(shard.points, [&](const auto& p) {
             if (age_of(*p) < oldest) return false;
-            resized(p->count, 0);
+            resized(p->count + p->divided_sky.size(), 0);
             dropped(*p);
             return true;
         });

@@ -19,7 +19,8 @@ class PointTable {
     PointTable();
     /// The point of a key, created if it is missing. Thread-safe; the address stays valid until the point is dropped.
     CachePoint& find_or_create(AnchorKey key);
-    /// Records that a point's list of visible nodes changed its length. Thread-safe.
+    /// Records that a point's list of visible nodes, or of divided directions of the sky, changed its length.
+    /// Thread-safe.
     void resized(std::size_t before, std::size_t after)
     {
         seen_bytes_.fetch_add((after - before) * sizeof(SeenNode), std::memory_order_relaxed);
@@ -48,6 +49,7 @@ class PointTable {
         std::vector<CachePoint*> slots;   // open addressing; a power of two
         std::vector<std::unique_ptr<CachePoint>> points;
     };
+    static_assert(sizeof(DividedDirection) == sizeof(SeenNode));
     static void insert(Shard& shard, CachePoint* point);
     std::array<Shard, k_shards> shards_;
     std::atomic<std::size_t> seen_bytes_ = 0;   // of all lists
