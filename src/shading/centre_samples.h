@@ -46,8 +46,8 @@ struct RefineOptions {
     float light = 0.04f;           // likewise, of light on one surface
     float agree = 0.03f;           // difference of light on one surface within which samples share it
     float agree_bounced = 0.06f;   // likewise, of bounced light
-    int bounced_reach =
-        8;   // how far away pixels may be, by row and column, whose bounced light a sample takes; 0: none
+    // How far away pixels may be, by row and column, whose bounced light a sample takes. 0: none.
+    int bounced_reach = 8;
     float spread = 0.15f;   // difference of a pixel's samples of several surfaces from which on it has all of them
     float light_spread = 0.12f;   // likewise, of samples of one surface
     float same_normal = 0.9f;     // cosine between normals of neighbours on one surface

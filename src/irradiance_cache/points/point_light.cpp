@@ -210,6 +210,19 @@ void StaticVisibility::add_sky(Added& added, const glm::vec3& light, const glm::
     for (int colour = 0; colour < 3; ++colour) point.static_light[colour] += light[colour] * direction;
 }
 
+// Traces the queued rays to the sky, past static geometry.
+// @param passes  output: by ray, what surfaces that thin light let through; empty where there are none
+// @return  whether there are any
+bool StaticVisibility::test_sky(const CacheFrame& frame, const OcclusionTester& tester, std::vector<glm::vec3>& passes,
+                                CacheCounters& counters)
+{
+    tester.test(rays_, ray::Against::static_only, occluded_, counters);
+    const bool thins = frame.rays->thins_light();
+    passes.resize(thins ? rays_.size() : 0);
+    if (thins) frame.rays->let_through(rays_, 0, rays_.size(), passes.data(), ray::Against::static_only);
+    return thins;
+}
+
 // Finds which directions of the sky the points see. Adds the light of those that are not divided, and divides the
 // others.
 void StaticVisibility::see_sky(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters)
@@ -221,10 +234,7 @@ void StaticVisibility::see_sky(const CacheFrame& frame, const OcclusionTester& t
             if (above(*added.point, sky.direction(i)))
                 rays_.push(added.point->origin(), 0, sky.direction(i), k_infinity);
     }
-    tester.test(rays_, ray::Against::static_only, occluded_, counters);
-    const bool thins = frame.rays->thins_light();
-    sky_passes_.resize(thins ? rays_.size() : 0);
-    if (thins) frame.rays->let_through(rays_, 0, rays_.size(), sky_passes_.data(), ray::Against::static_only);
+    const bool thins = test_sky(frame, tester, sky_passes_, counters);
     std::size_t next = 0;
     for (Added& added : added_) {
         CachePoint& point = *added.point;
@@ -258,10 +268,7 @@ std::ptrdiff_t StaticVisibility::divide_sky(const CacheFrame& frame, const Occlu
             for (const SkyLight::Part& part : frame.sky.parts(i))
                 rays_.push(added.point->origin(), 0, part.direction, k_infinity);
         });
-    tester.test(rays_, ray::Against::static_only, occluded_, counters);
-    const bool thins = frame.rays->thins_light();
-    passes_.resize(thins ? rays_.size() : 0);
-    if (thins) frame.rays->let_through(rays_, 0, rays_.size(), passes_.data(), ray::Against::static_only);
+    const bool thins = test_sky(frame, tester, passes_, counters);
     std::ptrdiff_t more = 0;
     std::size_t next = 0;
     for (Added& added : added_) {

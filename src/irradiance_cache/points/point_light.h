@@ -60,6 +60,8 @@ class StaticVisibility {
     void add_beyond(const CacheFrame& frame, std::size_t nodes, Added& added) const;
     glm::vec3 facing_of_seen(const CacheFrame& frame, const CachePoint& point) const;
     void find_local();
+    bool test_sky(const CacheFrame& frame, const OcclusionTester& tester, std::vector<glm::vec3>& passes,
+                  CacheCounters& counters);
     void see_sky(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters);
     std::ptrdiff_t divide_sky(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters);
     static void add_sky(Added& added, const glm::vec3& light, const glm::vec3& direction);
