@@ -26,8 +26,9 @@ class GpuPointsTest : public test::VulkanTest {};
 constexpr double k_nodes_that_differ = 1e-3;   // fraction of the nodes of cuts: error bounds at the threshold
 constexpr double k_weight_tolerance = 1e-4;    // relative, of weights
 constexpr double k_sum_tolerance = 1e-5;       // relative to the sum of all lengths
-constexpr double k_grazing_light = 1e-3, k_grazing_points = 0.01;   // if the device traces the rays
-constexpr double k_light_tolerance = 2e-4;                          // relative to a frame's mean irradiance
+// If the device traces the rays: of all light, and of the points that differ by more than a fraction of their own.
+constexpr double k_grazing_light = 1e-4, k_grazing_points = 0.01, k_grazing_change = 1e-3;
+constexpr double k_light_tolerance = 2e-4;   // relative to a frame's mean irradiance
 
 std::vector<CutRequest> some_requests(const World& world, std::size_t count)
 {
@@ -314,7 +315,8 @@ TEST_F(GpuPointsTest, SameBytesAfterAnyFramesAndForAnyThreadCount)
     }
 }
 
-// Rays that graze an edge may differ: at few points, for one of their nodes.
+// Rays that graze an edge may differ: at few points, for one of their nodes or directions of the sky. Where that is a
+// lattice point, all pixels around it change, each by a fraction of what the ray brings.
 TEST_F(GpuPointsTest, IrradianceByDeviceRaysIsCloseToCpu)
 {
     if (!ray::DeviceRays::supported(*device_)) GTEST_SKIP() << "the device traces no rays";
@@ -332,7 +334,7 @@ TEST_F(GpuPointsTest, IrradianceByDeviceRaysIsCloseToCpu)
         for (std::size_t i = 0; i < by_device.size(); ++i) {
             const auto a = static_cast<double>(by_cpu[i].y), b = static_cast<double>(by_device[i].y);
             sum += a, off += std::abs(a - b);
-            differ += std::abs(a - b) > 1e-4 * std::max(a, b) + 1e-6;
+            differ += std::abs(a - b) > k_grazing_change * std::max(a, b) + 1e-6;
         }
         EXPECT_LE(off, k_grazing_light * sum) << name;
         EXPECT_LE(static_cast<double>(differ), k_grazing_points * static_cast<double>(by_device.size())) << name;
