@@ -265,7 +265,7 @@ void IrradianceCache::evaluate_claimed(Batch::Scratch& own)
         const std::uint64_t before = counters.rays;
         if (budget_.exhausted()) defer_new_points(own.claims);
         own.placer.place(frame_, own.claims.claimed());
-        own.near_evaluation.evaluate(frame_, own.claims.claimed(), counters);
+        table_.grew(own.near_evaluation.evaluate(frame_, own.claims.claimed(), counters));
         evaluator_->evaluate(frame_, own.claims.claimed(), own.evaluation);
         own.claims.publish();
         budget_.spend(counters.rays - before);

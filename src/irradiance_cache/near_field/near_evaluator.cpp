@@ -25,32 +25,42 @@ void NearEvaluator::gather(const CacheFrame& frame, std::span<CachePoint* const>
             CachePoint& point = *claimed[next];
             if (!point.exists || !is_near(point.key) || !wanted(point)) continue;
             points_.push_back(&point);
-            receivers_.push_back({point.origin(), point.normal, point.horizon});
+            receivers_.push_back({point.origin(), point.normal, point.horizon, point.near_reach});
         }
         answers_.resize(points_.size());
+        reach_.resize(points_.size() * static_cast<std::size_t>(frame.options.near_rays));
         const NearLight& light = frame.near_field.light();
         if (change)
             light.find_change(*frame.state, *frame.rays, frame.dynamic_bounds, receivers_.data(), receivers_.size(),
                               scratch_, answers_.data());
         else
             light.gather(*frame.state, *frame.rays, receivers_.data(), receivers_.size(), ray::Against::static_only,
-                         scratch_, answers_.data());
-        for (std::size_t k = 0; k < points_.size(); ++k) store(*points_[k], answers_[k]);
+                         scratch_, answers_.data(), reach_.data());
+        for (std::size_t k = 0; k < points_.size(); ++k) store(*points_[k], k);
     }
     counters.rays += scratch_.cast;
     scratch_.cast = 0;
 }
 
-void NearEvaluator::evaluate(const CacheFrame& frame, std::span<CachePoint* const> claimed, CacheCounters& counters)
+std::ptrdiff_t NearEvaluator::evaluate(const CacheFrame& frame, std::span<CachePoint* const> claimed,
+                                       CacheCounters& counters)
 {
-    if (!frame.near_field.hints()) return;
+    if (!frame.near_field.hints()) return 0;
     const std::uint32_t version = frame.lights.geometry_version();
+    const auto rays = static_cast<std::size_t>(frame.options.near_rays);
+    std::ptrdiff_t more = 0;
     // Gather the near field of static geometry for new points.
     gather(
         frame, claimed, false, [&](const CachePoint& point) { return point.version != version; },
-        [&](CachePoint& point, const NearAnswer& answer) {
-            std::copy(answer.light, answer.light + 3, point.static_light);
-            point.free[0] = answer.nearest;
+        [&](CachePoint& point, std::size_t k) {
+            std::copy(answers_[k].light, answers_[k].light + 3, point.static_light);
+            point.free[0] = answers_[k].nearest;
+            // Keep what tells which rays dynamic objects may matter to.
+            more -= static_cast<std::ptrdiff_t>(point.near_reach.size());
+            const auto first = reach_.begin() + static_cast<std::ptrdiff_t>(k * rays);
+            point.near_reach.assign(first,
+                                    frame.dynamic_bounds.empty() ? first : first + static_cast<std::ptrdiff_t>(rays));
+            more += static_cast<std::ptrdiff_t>(point.near_reach.size());
             point.version = version;
             point.dynamic_version = 0;
             ++counters.near_points;
@@ -65,10 +75,11 @@ void NearEvaluator::evaluate(const CacheFrame& frame, std::span<CachePoint* cons
             std::copy(point.static_light, point.static_light + 3, point.light);
             return dynamic_may_occlude_near(frame, point);
         },
-        [&](CachePoint& point, const NearAnswer& change) {
-            for (int colour = 0; colour < 3; ++colour) point.light[colour] += change.light[colour];
+        [&](CachePoint& point, std::size_t k) {
+            for (int colour = 0; colour < 3; ++colour) point.light[colour] += answers_[k].light[colour];
         },
         counters);
+    return more;
 }
 
 }   // namespace gnomon::irradiance_cache

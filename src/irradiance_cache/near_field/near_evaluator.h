@@ -15,7 +15,8 @@ namespace gnomon::irradiance_cache {
 class NearEvaluator {
  public:
     /// Brings the near-field points among the claimed ones up to this frame.
-    void evaluate(const CacheFrame& frame, std::span<CachePoint* const> claimed, CacheCounters& counters);
+    /// @return  bytes that they keep beyond before
+    std::ptrdiff_t evaluate(const CacheFrame& frame, std::span<CachePoint* const> claimed, CacheCounters& counters);
 
  private:
     template <class Wanted, class Store>
@@ -25,6 +26,7 @@ class NearEvaluator {
     std::vector<CachePoint*> points_;
     std::vector<NearReceiver> receivers_;
     std::vector<NearAnswer> answers_;
+    std::vector<std::uint8_t> reach_;   // by point and direction
     NearLight::Scratch scratch_;
 };
 

@@ -21,6 +21,20 @@ std::uint32_t cell_of(float coordinate)
     return static_cast<std::uint32_t>(std::clamp(8 + 8 * coordinate, 0.0f, 15.0f));
 }
 
+// Tangent, bitangent and normal of a receiver.
+glm::mat3 axes_of(const NearReceiver& receiver)
+{
+    glm::vec3 t, b;
+    make_basis(receiver.normal, t, b);
+    return {t, b, receiver.normal};
+}
+
+void push_short_ray(const NearReceiver& receiver, const glm::mat3& axes, const glm::vec3& d, float radius,
+                    ray::RayQueue& queue)
+{
+    queue.push(receiver.origin, 0, d.x * axes[0] + d.y * axes[1] + d.z * axes[2], radius);
+}
+
 }   // namespace
 
 std::vector<glm::vec3> cosine_directions(int count)
@@ -70,7 +84,7 @@ void NearLight::light_surface(const scene::SceneState& state, const ray::RayScen
     for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
         const scene::Light& light = scene.lights[l];
         const scene::LightState& at = state.light(l);
-        if (!at.visible || light.of_environment || (light.of_surface && !options_.surface_lights)) continue;
+        if (!takes_part(light, at)) continue;
         const scene::LightSample sample = scene::illuminate(light, at, position);
         const float cosine = glm::dot(normal, sample.to_light);
         if (!(cosine > 0) || sample.irradiance == glm::vec3(0)) continue;
@@ -100,7 +114,7 @@ void NearLight::light_behind(const scene::SceneState& state, const ray::RayScene
         scratch.cast += scratch.on.size();
         scratch.next_on.clear();
         for (const std::uint32_t i : scratch.on) {
-            const std::size_t k = i / directions_.size();
+            const std::size_t k = scratch.receiver_of[i];
             ray::ThinSurface thin{.passes = glm::vec3(0), .covered = 1};
             if (scratch.hits.object[i] == scene::none) continue;
             if (ray::hits_thin_surface(state.scene(), rays, scratch.hits, i, thin)) scratch.next_on.push_back(i);
@@ -112,22 +126,47 @@ void NearLight::light_behind(const scene::SceneState& state, const ray::RayScene
     }
 }
 
-// Casts the short rays of some receivers, and queues a ray to each light that shines on a surface that they meet.
+// Queues all short rays of some receivers.
+void NearLight::queue_all(const NearReceiver* receivers, std::size_t count, Scratch& scratch) const
+{
+    scratch.rays.clear();
+    scratch.receiver_of.clear();
+    for (std::uint32_t k = 0; k < count; ++k) {
+        const glm::mat3 axes = axes_of(receivers[k]);
+        for (const glm::vec3& d : directions_) push_short_ray(receivers[k], axes, d, options_.radius, scratch.rays);
+        scratch.receiver_of.insert(scratch.receiver_of.end(), directions_.size(), k);
+    }
+}
+
+// Queues those short rays that lead to surfaces whose light a dynamic object may occlude.
+void NearLight::queue_doubted(const scene::SceneState& state, const MovingSpheres& spheres,
+                              const NearReceiver* receivers, std::size_t count, Scratch& scratch) const
+{
+    scratch.lights.clear();
+    const scene::Scene& scene = state.scene();
+    for (scene::LightId l = 0; l < scene.lights.size(); ++l)
+        if (takes_part(scene.lights[l], state.light(l)))
+            scratch.lights.push_back(way_to(scene.lights[l], state.light(l)));
+    scratch.rays.clear();
+    scratch.receiver_of.clear();
+    NearDoubts doubts(options_.radius, directions_);
+    for (std::uint32_t k = 0; k < count; ++k) {
+        const glm::mat3 axes = axes_of(receivers[k]);
+        doubts.find(receivers[k], axes, scratch.lights, spheres, scratch.directions);
+        for (const std::uint32_t i : scratch.directions)
+            push_short_ray(receivers[k], axes, directions_[i], options_.radius, scratch.rays);
+        scratch.receiver_of.insert(scratch.receiver_of.end(), scratch.directions.size(), k);
+    }
+}
+
+// Casts the queued short rays, and queues a ray to each light that shines on a surface that they meet.
 void NearLight::find_lit(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
                          std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const
 {
-    const std::size_t n = directions_.size();
     const bool thins = rays.thins_light();
     // Cast the short rays.
     ray::RayQueue& queue = scratch.rays;
-    queue.clear();
     queue.purpose = scratch.shadow_rays.purpose = ray::RayClass::indirect;
-    for (std::size_t k = 0; k < count; ++k) {
-        glm::vec3 t, b;
-        make_basis(receivers[k].normal, t, b);
-        for (const glm::vec3& d : directions_)
-            queue.push(receivers[k].origin, 0, d.x * t + d.y * b + d.z * receivers[k].normal, options_.radius);
-    }
     scratch.hits.resize(queue.size());
     rays.closest(queue, 0, queue.size(), scratch.hits, ray::Sides::both, against);
     scratch.cast += queue.size();
@@ -137,28 +176,43 @@ void NearLight::find_lit(const scene::SceneState& state, const ray::RayScene& ra
     scratch.lit.clear();
     scratch.on.clear();
     if (thins) scratch.passes.assign(queue.size(), glm::vec3(1));
-    for (std::size_t k = 0; k < count; ++k) {
-        answers[k] = {};
-        for (std::size_t i = k * n; i < k * n + n; ++i) {
-            const scene::ObjectId object = scratch.hits.object[i];
-            if (object == scene::none) continue;
-            answers[k].nearest = std::min(answers[k].nearest, scratch.hits.t[i]);
-            if (!(glm::dot(queue.direction(i), receivers[k].horizon) > 0)) continue;
-            Met met{k, i, receivers[k].normal};
-            if (ray::ThinSurface thin; thins && ray::hits_thin_surface(state.scene(), rays, scratch.hits, i, thin)) {
-                met.factor = glm::vec3(thin.covered);
-                scratch.passes[i] = thin.passes;
-                scratch.on.push_back(static_cast<std::uint32_t>(i));
-            }
-            if (!state.is_dynamic(object)) light_surface(state, rays, met, scratch);
+    std::fill(answers, answers + count, NearAnswer{});
+    for (std::size_t i = 0; i < queue.size(); ++i) {
+        const std::uint32_t k = scratch.receiver_of[i];
+        const scene::ObjectId object = scratch.hits.object[i];
+        if (object == scene::none) continue;
+        answers[k].nearest = std::min(answers[k].nearest, scratch.hits.t[i]);
+        if (!(glm::dot(queue.direction(i), receivers[k].horizon) > 0)) continue;
+        Met met{k, i, receivers[k].normal};
+        if (ray::ThinSurface thin; thins && ray::hits_thin_surface(state.scene(), rays, scratch.hits, i, thin)) {
+            met.factor = glm::vec3(thin.covered);
+            scratch.passes[i] = thin.passes;
+            scratch.on.push_back(static_cast<std::uint32_t>(i));
         }
+        if (!state.is_dynamic(object)) light_surface(state, rays, met, scratch);
     }
     light_behind(state, rays, receivers, against, scratch);
 }
 
-void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
-                       std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const
+// Finds how far the short rays go that lead to surfaces of which a light is not occluded.
+void NearLight::note_reach(const NearReceiver* receivers, std::size_t count, const Scratch& scratch,
+                           std::uint8_t* reach) const
 {
+    const ReachSteps steps(options_.radius);
+    std::fill(reach, reach + count * directions_.size(), ReachSteps::k_nothing_lit);
+    for (std::size_t s = 0; s < scratch.lit.size(); ++s) {
+        if (scratch.occluded[s]) continue;
+        const std::size_t i = scratch.lit[s].ray;
+        reach[i] = steps.encode(receivers[scratch.lit[s].receiver].origin, scratch.rays.direction(i), scratch.hits.t[i],
+                                scratch.shadow_rays.origin(s));
+    }
+}
+
+void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
+                       std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers,
+                       std::uint8_t* reach) const
+{
+    queue_all(receivers, count, scratch);
     find_lit(state, rays, receivers, count, against, scratch, answers);
     // Add the light that arrives.
     const std::size_t shadow_rays = scratch.shadow_rays.size();
@@ -176,6 +230,11 @@ void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays
         for (int colour = 0; colour < 3; ++colour)
             answers[lit.receiver].light[colour] += lit.light[colour] * lit.direction;
     }
+    if (!reach) return;
+    if (rays.thins_light())
+        std::fill(reach, reach + count * directions_.size(), ReachSteps::k_inexact);   // a ray may meet several
+    else
+        note_reach(receivers, count, scratch, reach);
 }
 
 // Chooses the lit surfaces whose light a dynamic object may occlude, on its way to them or on to their receiver.
@@ -219,23 +278,33 @@ void NearLight::find_change(const scene::SceneState& state, const ray::RayScene&
             for (int colour = 0; colour < 3; ++colour) answers[k].light[colour] -= scratch.without[k].light[colour];
         return;
     }
+    if (std::all_of(receivers, receivers + count, [](const NearReceiver& r) { return !r.reach.empty(); }))
+        queue_doubted(state, spheres, receivers, count, scratch);
+    else
+        queue_all(receivers, count, scratch);
     find_lit(state, rays, receivers, count, ray::Against::static_only, scratch, answers);
     doubt(spheres, scratch);
-    // Find which lit surfaces static geometry leaves lit, and which of them dynamic objects do not.
-    const std::size_t doubted = scratch.doubted.size();
     const auto occluded = [&](ray::RayQueue& queue, ray::Against against, std::vector<std::uint8_t>& answer) {
         queue.purpose = ray::RayClass::indirect;
-        answer.resize(doubted + ray::k_packet_pad);
-        rays.occluded(queue, 0, doubted, answer.data(), against);
-        scratch.cast += doubted;
+        answer.resize(queue.size() + ray::k_packet_pad);
+        rays.occluded(queue, 0, queue.size(), answer.data(), against);
+        scratch.cast += queue.size();
     };
+    // Find which lit surfaces dynamic objects leave without light, and which of them static geometry leaves lit.
     std::vector<std::uint8_t>&hidden = scratch.occluded, &now = scratch.occluded_on;
     occluded(scratch.to_lights, ray::Against::dynamic_only, now);
     occluded(scratch.to_points, ray::Against::dynamic_only, hidden);
-    for (std::size_t d = 0; d < doubted; ++d) now[d] |= hidden[d];
+    std::size_t kept = 0;
+    for (std::size_t d = 0; d < scratch.doubted.size(); ++d)
+        if (now[d] || hidden[d]) scratch.doubted[kept++] = scratch.doubted[d];
+    scratch.doubted.resize(kept);
+    scratch.to_lights.clear();
+    for (const std::uint32_t s : scratch.doubted)
+        scratch.to_lights.push(scratch.shadow_rays.origin(s), 0, scratch.shadow_rays.direction(s),
+                               scratch.shadow_rays.tfar[s]);
     occluded(scratch.to_lights, ray::Against::static_only, hidden);
-    for (std::size_t d = 0; d < doubted; ++d) {
-        if (hidden[d] || !now[d]) continue;
+    for (std::size_t d = 0; d < kept; ++d) {
+        if (hidden[d]) continue;
         const Scratch::Lit& lit = scratch.lit[scratch.doubted[d]];
         for (int colour = 0; colour < 3; ++colour)
             answers[lit.receiver].light[colour] -= lit.light[colour] * lit.direction;

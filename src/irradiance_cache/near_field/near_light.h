@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "irradiance_cache/light_tree/light_tree.h"
-#include "irradiance_cache/light_tree/moving_spheres.h"
+#include "irradiance_cache/near_field/near_reach.h"
 #include "ray/ray_scene.h"
 #include "ray/thin_hits.h"
 
@@ -45,10 +45,6 @@ struct NearOptions {
 /// along a Morton curve, so that rays in a packet stay together.
 std::vector<glm::vec3> cosine_directions(int count);
 
-struct NearReceiver {
-    glm::vec3 origin{0}, normal{0}, horizon{0};
-};
-
 struct NearAnswer {
     glm::vec3 light[3] = {};      // by colour, as CachePoint::light
     float nearest = k_infinity;   // distance to the nearest surface, scene units
@@ -58,6 +54,7 @@ class NearLight {
  public:
     struct Scratch {
         ray::RayQueue rays, shadow_rays;
+        std::vector<std::uint32_t> receiver_of;   // by short ray
         ray::Hits hits;
         std::vector<std::uint8_t> occluded;
         struct Lit {
@@ -71,6 +68,8 @@ class NearLight {
         std::vector<std::uint32_t> on, next_on;
         // What dynamic objects may occlude: which lit surfaces, the ways of their light to them, and on to the points.
         std::vector<std::uint32_t> doubted;
+        std::vector<LightWay> lights;
+        std::vector<std::uint32_t> directions;
         ray::RayQueue to_lights, to_points;
         std::vector<std::uint8_t> occluded_on;
         std::vector<NearAnswer> without;
@@ -81,18 +80,30 @@ class NearLight {
     const NearOptions& options() const { return options_; }
     /// Computes the near field of some receivers. Thread-safe.
     /// @param against  the geometry that rays meet: static_only or everything
+    /// @param reach    output: by receiver and direction, for find_change() of later frames; null if not wanted
     void gather(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
-                std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const;
+                std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers,
+                std::uint8_t* reach = nullptr) const;
     /// Computes what dynamic objects change of it: minus the light that they occlude. Thread-safe.
-    /// Cost: the receivers' short rays; and rays to lights where a sphere is near enough to occlude.
+    /// Cost: the receivers' short rays, or those alone that a sphere is near enough to matter to, if the receivers have
+    /// their reach; and rays to lights where a sphere is near enough to occlude.
     /// @param spheres  around dynamic objects
     void find_change(const scene::SceneState& state, const ray::RayScene& rays, const MovingSpheres& spheres,
                      const NearReceiver* receivers, std::size_t count, Scratch& scratch, NearAnswer* answers) const;
 
  private:
     struct Met;
+    void queue_all(const NearReceiver* receivers, std::size_t count, Scratch& scratch) const;
+    void queue_doubted(const scene::SceneState& state, const MovingSpheres& spheres, const NearReceiver* receivers,
+                       std::size_t count, Scratch& scratch) const;
     void find_lit(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
                   std::size_t count, ray::Against against, Scratch& scratch, NearAnswer* answers) const;
+    void note_reach(const NearReceiver* receivers, std::size_t count, const Scratch& scratch,
+                    std::uint8_t* reach) const;
+    bool takes_part(const scene::Light& light, const scene::LightState& at) const
+    {
+        return at.visible && !light.of_environment && (!light.of_surface || options_.surface_lights);
+    }
     static void doubt(const MovingSpheres& spheres, Scratch& scratch);
     void light_surface(const scene::SceneState& state, const ray::RayScene& rays, const Met& met,
                        Scratch& scratch) const;

@@ -16,25 +16,17 @@ bool dynamic_may_occlude_near(const CacheFrame& frame, const CachePoint& point)
     if (frame.dynamic_bounds.empty()) return false;
     const glm::vec3* const light = point.static_light;
     if (light[0] == glm::vec3(0) && light[1] == glm::vec3(0) && light[2] == glm::vec3(0)) return false;
-    const float radius = frame.near_field.light().options().radius;
+    const NearOptions& options = frame.near_field.light().options();
+    const float radius = point.near_reach.empty() ? options.radius : farthest_reach(point.near_reach, options.radius);
+    if (radius == 0) return false;
     const scene::Scene& scene = frame.state->scene();
-    // Does a sphere meet the near field around the way from the point to `way` beyond it, or without an end?
-    const auto meets = [&](const Sphere& sphere, const glm::vec3& way, bool endless) {
-        const glm::vec3 at = sphere.centre - point.origin();
-        const float square = glm::dot(way, way);
-        float along = square > 0 ? std::max(glm::dot(at, way) / square, 0.0f) : 0.0f;
-        if (!endless) along = std::min(along, 1.0f);
-        const glm::vec3 off = at - along * way;
-        const float reach = sphere.radius + radius;
-        return glm::dot(off, off) <= reach * reach;
-    };
     for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
         const scene::LightState& at = frame.state->light(l);
         if (!at.visible || scene.lights[l].of_environment) continue;
-        const bool endless = scene.lights[l].type == scene::LightType::directional;
-        const glm::vec3 way = endless ? -at.direction : at.position - point.origin();
-        if (frame.dynamic_bounds.any([&](const Sphere& sphere) { return meets(sphere, way, endless); },
-                                     [](const Sphere&) { return true; }))
+        const LightWay way = way_to(scene.lights[l], at);
+        if (frame.dynamic_bounds.any(
+                [&](const Sphere& sphere) { return meets_near_field(sphere, point.origin(), way, radius); },
+                [](const Sphere&) { return true; }))
             return true;
     }
     return false;

@@ -56,6 +56,7 @@ struct CachePoint {
     std::unique_ptr<SeenNode[]> seen;
     SkyMask sky;                                 // directions of the sky that are visible past static geometry
     std::vector<DividedDirection> divided_sky;   // those that are visible in part; not in `sky`
+    std::vector<std::uint8_t> near_reach;        // near-field points: how far lit surfaces are (near_reach.h)
     // The last frame in which a thread claimed the point, and the last one in which it was ready, or abandoned.
     std::atomic<std::uint32_t> claimed{0}, ready{0};
 

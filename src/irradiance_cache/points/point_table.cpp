@@ -11,7 +11,7 @@ constexpr std::size_t k_least_slots = 256;
 
 std::size_t bytes_of(const CachePoint& p)
 {
-    return sizeof(CachePoint) + (p.count + p.divided_sky.size()) * sizeof(SeenNode);
+    return sizeof(CachePoint) + (p.count + p.divided_sky.size()) * sizeof(SeenNode) + p.near_reach.size();
 }
 
 }   // namespace
@@ -75,6 +75,7 @@ void PointTable::drop_unseen(std::uint32_t frame, std::size_t budget,
         std::erase_if(shard.points, [&](const auto& p) {
             if (age_of(*p) < oldest) return false;
             resized(p->count + p->divided_sky.size(), 0);
+            grew(-static_cast<std::ptrdiff_t>(p->near_reach.size()));
             dropped(*p);
             return true;
         });

@@ -25,6 +25,11 @@ class PointTable {
     {
         seen_bytes_.fetch_add((after - before) * sizeof(SeenNode), std::memory_order_relaxed);
     }
+    /// Records that a point keeps so many bytes more. Thread-safe.
+    void grew(std::ptrdiff_t bytes)
+    {
+        seen_bytes_.fetch_add(static_cast<std::size_t>(bytes), std::memory_order_relaxed);
+    }
     /// Between frames: if the points take more than `budget` bytes, drops those unused for longest until a quarter of
     /// the budget is free. The points of `frame` stay, and the budget is at least twice their size.
     /// @param dropped  called for each
@@ -52,7 +57,7 @@ class PointTable {
     static_assert(sizeof(DividedDirection) == sizeof(SeenNode));
     static void insert(Shard& shard, CachePoint* point);
     std::array<Shard, k_shards> shards_;
-    std::atomic<std::size_t> seen_bytes_ = 0;   // of all lists
+    std::atomic<std::size_t> seen_bytes_ = 0;   // of all lists and reaches
 };
 
 }   // namespace gnomon::irradiance_cache
