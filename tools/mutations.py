@@ -244,6 +244,8 @@ MUTATIONS = (
     row("near-change", "irradiance_cache", "a dynamic object occludes near light before it is reflected, not after",
         "src/irradiance_cache/near_field/near_light.cpp", "if (now[d] || hidden[d])", "if (now[d])",
         "property:NearLight.Changes*"),
+    row("dark-beyond-a-seam", "irradiance_cache", "points inside of other geometry light the pixels beside it",
+        "src/irradiance_cache/points/interpolator.cpp", "k_dark = 0.08f", "k_dark = 0.0f", "property:Seams.*"),
     row("near-reach-dark", "irradiance_cache", "lit surfaces near a point are remembered as dark ones",
         "src/irradiance_cache/near_field/near_light.cpp", "if (scratch.occluded[s]) continue;\n        const std::size_t i",
         "if (!scratch.occluded[s]) continue;\n        const std::size_t i", "property:NearReach.*"),

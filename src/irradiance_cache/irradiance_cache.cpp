@@ -220,7 +220,7 @@ bool IrradianceCache::shade_points(Batch::Scratch& own, std::span<const Indirect
     // Interpolate parts of triangles where no lattice point applies; and, where those are dark, parts around the pixel.
     own.collector.select_parts(frame_, points, work);
     CacheCounters& counters = own.evaluation.counters;
-    for (const PartsAre are : {PartsAre::far, PartsAre::finer, PartsAre::own}) {
+    for (const PartsAre are : {PartsAre::far, PartsAre::finer, PartsAre::own, PartsAre::closest}) {
         if (work.parts.empty()) break;
         own.collector.collect_parts(frame_, own.claims, work);
         evaluate_claimed(own);

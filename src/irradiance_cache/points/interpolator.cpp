@@ -32,6 +32,8 @@ constexpr float k_least_rest = 0.02f;
 // How far a part is from representing its surface point, 0 to 1: by the ratio of its light to that of the lattice
 // around, whichever is larger. It begins below the first ratio, and is complete at the second.
 constexpr float k_alike = 0.8f, k_unlike = 0.5f;
+// A part is dark below this fraction of the light of the lattice around.
+constexpr float k_dark = 0.08f;
 
 float unlike(float part, float around)
 {
@@ -264,7 +266,7 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
     const auto is_of_mean = [&](const PartRequest& request) {
         return points[request.point].of_many && !work.dynamic[request.point];
     };
-    if (are != PartsAre::own) find_hidden(frame, points, work, counters);
+    if (are == PartsAre::far || are == PartsAre::finer) find_hidden(frame, points, work, counters);
     for (std::size_t k = 0; k < work.parts.size(); ++k) {
         const PartRequest& request = work.parts[k];
         const IndirectPoint& point = points[request.point];
@@ -274,9 +276,14 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
         }
         glm::vec3 light = request.part->irradiance(point.normal);
         // Take finer parts where geometry covers the centre of a part or hides it from the surface point, or where it
-        // is dark, so that no black dot appears; of a mean, once.
-        const bool last = are == PartsAre::own || (are == PartsAre::finer && is_of_mean(request));
-        float replaced = !last && (hidden_[k] != 0 || light == glm::vec3(0)) ? 1.0f : 0.0f;
+        // is dark, so that no black dot appears; of a mean, once. The part around a pixel beside a seam may lie beyond
+        // it, inside other geometry: then one closer to the pixel takes its place.
+        const bool last = are == PartsAre::closest || (are == PartsAre::finer && is_of_mean(request));
+        const bool none = light == glm::vec3(0);
+        const bool dark =
+            !none && !work.dynamic[request.point] && luminance(light) < k_dark * luminance(request.fallback.light);
+        const bool hidden = are != PartsAre::own && (hidden_[k] != 0 || none);
+        float replaced = !last && (hidden || dark) ? 1.0f : 0.0f;
         // Take them, too, as far as the light of a part and that of the lattice around differ; not for a mean.
         if (are == PartsAre::far && replaced == 0 && !work.dynamic[request.point] && !point.of_many)
             replaced = unlike(luminance(light), luminance(request.fallback.light));
@@ -301,7 +308,8 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
             continue;
         }
         const bool finer = are == PartsAre::far && !work.dynamic[request.point];
-        const PartWeights parts = !finer                ? select_pixel_parts(frame, point)
+        const float own = are == PartsAre::own ? frame.options.pixels_per_closest : frame.options.pixels_per_own;
+        const PartWeights parts = !finer                ? select_pixel_parts(frame, point, own)
                                   : is_of_mean(request) ? select_parts_of_mean(frame, point)
                                                         : select_finer_parts(frame, point);
         for (int i = 0; i < parts.count; ++i)

@@ -11,9 +11,9 @@
 
 namespace gnomon::irradiance_cache {
 
-/// What parts are asked for, in this order: those for light from afar, finer ones, and those around the pixel itself,
-/// which are taken as they are.
-enum class PartsAre : std::uint8_t { far, finer, own };
+/// What parts are asked for, in this order: those for light from afar, finer ones, those around the pixel itself, and
+/// those closest to it, which are taken as they are.
+enum class PartsAre : std::uint8_t { far, finer, own, closest };
 
 /// Holds a thread's scratch memory.
 class Interpolator {

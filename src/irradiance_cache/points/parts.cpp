@@ -184,12 +184,12 @@ PartWeights select_parts_of_mean(const CacheFrame& frame, const IndirectPoint& p
     return select_parts(frame, point, spacing, spacing);
 }
 
-PartWeights select_pixel_parts(const CacheFrame& frame, const IndirectPoint& point)
+PartWeights select_pixel_parts(const CacheFrame& frame, const IndirectPoint& point, float pixels)
 {
     glm::vec3 p[3];
     frame.rays->geometry(point.object).corners(point.triangle, p);
     const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
-    const float spacing = frame.options.pixels_per_own * point.width;
+    const float spacing = pixels * point.width;
     const SlenderTriangle slender = slender_triangle(p);
     PartWeights parts;
     // The middle of a long part may lie far from the pixel, behind other geometry.

@@ -30,7 +30,7 @@ PartWeights select_far_parts(const CacheFrame& frame, const IndirectPoint& point
 PartWeights select_finer_parts(const CacheFrame& frame, const IndirectPoint& point);
 /// The finest ones, for a point of many whose mean is shown: of small triangles, those that represent the ones around.
 PartWeights select_parts_of_mean(const CacheFrame& frame, const IndirectPoint& point);
-/// Parts of the point's triangle around the pixel itself.
-PartWeights select_pixel_parts(const CacheFrame& frame, const IndirectPoint& point);
+/// Parts of the point's triangle around the pixel itself, so many pixels wide.
+PartWeights select_pixel_parts(const CacheFrame& frame, const IndirectPoint& point, float pixels);
 
 }   // namespace gnomon::irradiance_cache
