@@ -82,6 +82,8 @@ class IrradianceCache {
 
     const CacheCounters& counters() const { return counters_; }
     const LightTree& light_tree() const { return lights_; }
+    /// Spacing of lattice points, in widths of a point, where neighbours can be interpolated.
+    float widest_spacing() const { return options_.widest; }
     std::size_t bytes() const;
     std::size_t points() const { return table_.size(); }
 

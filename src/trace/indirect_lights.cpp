@@ -31,13 +31,7 @@ class CachedIndirect::Work final : public Worker {
             const shading::SurfacePoint& s = point.surface;
             if (!scatters(s) || point.has_bounced) continue;
             const shadow_culling::ShadowPoint& here = batch.shadow_points[p];
-            // Chrome and glass show everything small and from viewpoints of their own, so that its cache points would
-            // be many and new in every frame; and a path of low throughput may be coarser.
-            // A path that a lobe divided has the throughput of all of its parts.
-            const float throughput = largest(point.throughput) * std::max(point.lobe.rays, 1.0f);
-            const float wider =
-                batch.primary ? 1.0f : light_.options_.mirrored_spacing / std::sqrt(std::min(throughput, 1.0f));
-            const float width = s.cone.width * wider;
+            const float width = batch.primary ? s.cone.width : mirrored_width(point);
             asked_.push_back({s.position, s.geometric_normal, s.normal, here.object, here.triangle, here.u, here.v,
                               width, s.to_viewer});
             asked_.back().of_many = point.lobe.rays > 1 || point.parts > 1;
@@ -60,6 +54,22 @@ class CachedIndirect::Work final : public Worker {
     std::unique_ptr<irradiance_cache::IrradianceCache::Batch> take_batch() { return std::move(batch_); }
 
  private:
+    // The width that selects the cache points of what a mirror, glass or a lobe shows.
+    float mirrored_width(const TilePoint& point) const
+    {
+        const Options& options = light_.options_;
+        // Chrome and glass show everything small and from viewpoints of their own, so that its cache points would be
+        // many and new in every frame. Where a curved mirror is small, though, they would be farther apart than the
+        // walls around, and show nothing of how bounced light changes there.
+        const float cone = point.surface.cone.width;
+        const float reach = options.mirrored_reach * point.distance / light_.cache_.widest_spacing();
+        const float least = point.lobe.rays > 0 ? options.lobe_least : options.mirrored_least;
+        const float width = std::min(options.mirrored_spacing * cone, std::max(least * cone, reach));
+        // A path of low throughput may be coarser. One that a lobe divided has the throughput of all of its parts.
+        const float throughput = largest(point.throughput) * std::max(point.lobe.rays, 1.0f);
+        return width / std::sqrt(std::min(throughput, 1.0f));
+    }
+
     const CachedIndirect& light_;
     std::unique_ptr<irradiance_cache::IrradianceCache::Batch> batch_;
     std::vector<irradiance_cache::IndirectPoint> asked_;

@@ -9,9 +9,12 @@
 namespace gnomon::trace {
 
 struct CachedIndirectOptions {
-    // The spacing of cache points seen in mirrors and behind glass is multiplied by this, and divided by the square
-    // root of the path's throughput.
-    float mirrored_spacing = 4;
+    // The spacing of cache points seen in mirrors and behind glass is multiplied by this, as long as it is no more than
+    // `mirrored_reach` times the last ray's length. It is divided by the square root of the path's throughput.
+    float mirrored_spacing = 4, mirrored_reach = 0.5f;
+    // That limit multiplies it by no less than this: of cache points seen in mirrors and behind glass, and of those
+    // met by rays of lobes, whose cones are wide. It bounds how many points a small image of much detail has.
+    float mirrored_least = 1, lobe_least = 1.0f / 32;
     int bounces = 1;   // of the cache
 };
 

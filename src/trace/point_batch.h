@@ -94,6 +94,7 @@ struct TilePoint {
     shading::Continuation next;
     std::uint32_t pixel;   // as of its path
     glm::vec3 throughput;
+    float distance = 0;            // from where its ray started
     float parts = 1;               // as of its path
     bool straight = false;         // see Path
     std::uint8_t splits = 0;       // likewise

@@ -395,6 +395,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample, bo
                             hits_.t[i], direction, path.cone, point.surface);
         point.pixel = path.pixel;
         point.throughput = path.throughput;
+        point.distance = hits_.t[i];
         point.straight = path.straight;
         const glm::vec3 unlit_behind = point.surface.catches_shadows ? show_behind(point, direction) : glm::vec3(0);
         point.end = path.end, point.lobe = path.lobe;
