@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t k_places = 256, k_least_places = 8, k_places_in_all = 1024;   // of a group, and of all groups
 constexpr std::size_t k_rays = 8;                                                   // of a place
+constexpr std::size_t k_places_at_once = 64;                                        // by a thread
 constexpr float k_least_bounce = 1e-3f;   // of the first, the last that counts
 constexpr int k_most_bounces = 64;
 constexpr float k_most_albedo = 0.98f;
@@ -147,7 +148,7 @@ void DynamicReflection::add_places(const scene::SceneState& state, const ray::Ra
 
 std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
     const scene::SceneState& state, const ray::RayScene& rays, std::span<const std::vector<scene::ObjectId>> groups,
-    const Light& light)
+    const Light& light, Tasks& tasks)
 {
     reflectors_.clear(), albedo_.clear(), reflected_.clear();
     if (groups.empty() ||
@@ -195,7 +196,7 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
     sides_.clear();
     for (const Reflector& r : reflectors_) sides_.push(r.position, r.normal);
     links_.clear();
-    light_by_patches(state, rays, light);
+    light_by_patches(state, rays, light, tasks);
     light_by_emission(rays, light);
     if (!links_.empty()) {
         light_by_points(state, rays);
@@ -213,39 +214,58 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
 }
 
 // Adds what patches and the surroundings bring.
-void DynamicReflection::light_by_patches(const scene::SceneState& state, const ray::RayScene& rays, const Light& light)
+void DynamicReflection::light_by_patches(const scene::SceneState& state, const ray::RayScene& rays, const Light& light,
+                                         Tasks& tasks)
 {
     if (light.exitance.empty() && !light.surroundings.any() && light.further == 0) return;
-    interruption_point();
-    rays_.clear();
-    for (const Reflector& from : reflectors_) {
+    const std::size_t count = (reflectors_.size() + k_places_at_once - 1) / k_places_at_once;
+    if (runs_.size() < count) runs_.resize(count);
+    tasks.for_each(count, [&](std::size_t k, int) {
+        interruption_point();
+        light_run(state, rays, light, k * k_places_at_once, std::min((k + 1) * k_places_at_once, reflectors_.size()),
+                  runs_[k]);
+    });
+    for (std::size_t k = 0; k < count; ++k) links_.insert(links_.end(), runs_[k].links.begin(), runs_[k].links.end());
+}
+
+// The same for the reflectors first ... end - 1.
+void DynamicReflection::light_run(const scene::SceneState& state, const ray::RayScene& rays, const Light& light,
+                                  std::size_t first, std::size_t end, Run& run)
+{
+    PatchRays& cast = run.rays;
+    cast.clear();
+    run.links.clear();
+    for (std::size_t k = first; k < end; ++k) {
+        const Reflector& from = reflectors_[k];
         glm::vec3 x, y;
         make_basis(from.normal, x, y);
         for (std::size_t r = 0; r < k_rays; ++r) {
             const glm::vec3 d = direction_of(from.number, r);
-            rays_.push(from.sample, d.x * x + d.y * y + d.z * from.normal);
+            cast.push(from.sample, d.x * x + d.y * y + d.z * from.normal);
         }
     }
-    rays_.trace(state.scene(), rays, ray::Against::everything);
-    std::vector<glm::vec3> passes(rays.thins_light() ? rays_.size() : 0);
-    if (!passes.empty()) rays_.find_passing(rays, passes.data(), ray::Against::everything);
+    cast.trace(state.scene(), rays, ray::Against::everything);
+    std::vector<glm::vec3> passes(rays.thins_light() ? cast.size() : 0);
+    if (!passes.empty()) cast.find_passing(rays, passes.data(), ray::Against::everything);
     constexpr float k_weight = 1 / static_cast<float>(k_rays);
-    for (std::size_t r = 0; r < rays_.size(); ++r) {
+    for (std::size_t r = 0; r < cast.size(); ++r) {
+        const std::size_t from = first + r / k_rays;
         glm::vec3 arrives(0);
-        if (rays_.leaves(r)) {
+        if (cast.leaves(r)) {
             if (light.surroundings.any())
-                arrives = static_cast<float>(k_pi) * light.surroundings.radiance(rays_.direction(r));
-        } else if (state.is_dynamic(rays_.object(r))) {
+                arrives = static_cast<float>(k_pi) * light.surroundings.radiance(cast.direction(r));
+        } else if (state.is_dynamic(cast.object(r))) {
             if (light.further == 0) continue;
-            const auto from = static_cast<std::uint32_t>(r / k_rays);
-            const std::uint32_t to = nearest_place(rays_.object(r), rays_.end(rays, r));
-            if (to != scene::none) links_.push_back({from, to, k_weight * (passes.empty() ? glm::vec3(1) : passes[r])});
+            const std::uint32_t to = nearest_place(cast.object(r), cast.end(rays, r));
+            if (to != scene::none)
+                run.links.push_back(
+                    {static_cast<std::uint32_t>(from), to, k_weight * (passes.empty() ? glm::vec3(1) : passes[r])});
             continue;
         } else if (!light.exitance.empty()) {
-            const PatchId met = rays_.patch(light.patches, rays, r);
+            const PatchId met = cast.patch(light.patches, rays, r);
             if (met != k_no_patch) arrives = light.exitance[met];
         }
-        irradiance_[r / k_rays] += k_weight * (passes.empty() ? arrives : arrives * passes[r]);
+        irradiance_[from] += k_weight * (passes.empty() ? arrives : arrives * passes[r]);
     }
 }
 

@@ -17,6 +17,7 @@
 
 #include <vector>
 
+#include "base/tasks.h"
 #include "patches/facing_places.h"
 #include "patches/patch_rays.h"
 #include "patches/surroundings.h"
@@ -47,7 +48,8 @@ class DynamicReflection {
     /// Finds what dynamic objects reflect now. Neither the result nor its order depends on the objects' numbers.
     /// @param groups  those that occlude light or thin it, by what moves together; some may be hidden
     std::vector<Reflector> gather(const scene::SceneState& state, const ray::RayScene& rays,
-                                  std::span<const std::vector<scene::ObjectId>> groups, const Light& light);
+                                  std::span<const std::vector<scene::ObjectId>> groups, const Light& light,
+                                  Tasks& tasks);
     struct Measured {
         glm::mat4 matrix;
         scene::ObjectId object;
@@ -86,7 +88,10 @@ class DynamicReflection {
     static void choose_places(Surface& surface, std::size_t wanted);
     void add_places(const scene::SceneState& state, const ray::RayScene& rays, scene::ObjectId object,
                     const std::vector<Place>& places, float weight);
-    void light_by_patches(const scene::SceneState& state, const ray::RayScene& rays, const Light& light);
+    struct Run;
+    void light_by_patches(const scene::SceneState& state, const ray::RayScene& rays, const Light& light, Tasks& tasks);
+    void light_run(const scene::SceneState& state, const ray::RayScene& rays, const Light& light, std::size_t first,
+                   std::size_t end, Run& run);
     void light_by_emission(const ray::RayScene& rays, const Light& light);
     std::uint32_t nearest_place(scene::ObjectId object, const PatchRays::End& at) const;
     void light_by_points(const scene::SceneState& state, const ray::RayScene& rays);
@@ -103,9 +108,14 @@ class DynamicReflection {
         glm::vec3 weight;
     };
     std::vector<Link> links_;
+    // Some reflectors that follow one another: their rays, and the links that these find.
+    struct Run {
+        PatchRays rays;
+        std::vector<Link> links;
+    };
+    std::vector<Run> runs_;
     FacingPlaces sides_;                                     // of all reflectors
     std::vector<std::uint32_t> group_of_, first_of_group_;   // by object; the reflectors of each group, and the end
-    PatchRays rays_;
 };
 
 }   // namespace gnomon::patches

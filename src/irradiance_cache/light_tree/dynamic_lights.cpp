@@ -136,7 +136,7 @@ light_views::Rect LightTree::footprint(const View& view, scene::ObjectId object)
 
 // Finds the lit surfaces of dynamic objects, in every frame in which one moves, and sums them by owner and by the
 // octant that they face.
-void LightTree::gather_dynamic()
+void LightTree::gather_dynamic(Tasks& tasks)
 {
     dynamic_.clear(), dynamic_halves_.clear();
     Octants octants(dynamic_, dynamic_halves_);
@@ -199,7 +199,8 @@ void LightTree::gather_dynamic()
     for (const patches::DynamicReflection::Reflector& r :
          reflection_.gather(*state_, *rays_, groups,
                             {patches_->patches(), exitance, patches_->surroundings(), sized_,
-                             std::max(patches_->bounce_count() - 1, 0)}))
+                             std::max(patches_->bounce_count() - 1, 0)},
+                            tasks))
         of_others.add({owner_of(r.object), r.position, r.normal, r.sample, r.flux, r.area});
     of_others.finish();
     keep_brightest(others, options_.dynamic_lights);

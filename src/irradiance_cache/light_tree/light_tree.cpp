@@ -186,7 +186,7 @@ void LightTree::follow_light(Tasks& tasks)
         lost_ = lit_patches(true);
         block_patches(tasks);
     }
-    gather_dynamic();
+    gather_dynamic(tasks);
     receive_dynamic(tasks);
     light_patches_now(tasks);
     mark_changes();

@@ -219,7 +219,7 @@ class LightTree {
     static int stray_of(const View& view, const glm::vec3& sample, std::uint32_t leaf);
     void occlude_leaves(View& view, const std::vector<light_views::Rect>& where);
     void mark_changes();
-    void gather_dynamic();
+    void gather_dynamic(Tasks& tasks);
     void receive_dynamic(Tasks& tasks);
     void find_dynamics();
     void find_roots();
