@@ -19,7 +19,7 @@ struct CacheOptions {
     float pixels_per_leaf = 4;    // spacing of points on small triangles that no lattice fits: foliage, rods
     float pixels_per_finer = 4;   // the same where those do not represent the pixel: slices of slender triangles
     float pixels_per_own = 1;     // size of the part around the pixel itself, used where all other points are dark
-    float pixels_per_closest = 0.125f;   // and of that where other geometry hides this one from the pixel
+    float pixels_per_closest = 0.125f;   // and of the part that takes its place where it is dark
     float pixels_per_mean = 2;           // spacing of the finest parts for points of which a mean is shown
     CutOptions cut;                      // of lattice points
     // Replace cut.error and cut.estimate for parts of static objects, which light a few pixels each,

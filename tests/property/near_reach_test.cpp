@@ -18,7 +18,7 @@ using irradiance_cache::ReachSteps;
 using irradiance_cache::Sphere;
 
 constexpr float k_radius = 1.5f;
-constexpr int k_balls = 6;
+constexpr int k_plates = 6;
 
 MeshId add_square(SceneBuilder& builder)
 {
@@ -44,7 +44,7 @@ class Corner {
         builder.instance(square, white,
                          Transform::translation(0, 2, -3) * Transform::rotation({1, 0, 0}, 1.5707964f) *
                              Transform::scaling(6, 1, 4));
-        for (int i = 0; i < k_balls; ++i) {
+        for (int i = 0; i < k_plates; ++i) {
             const Sphere s = sphere(i);
             builder.instance(square, white,
                              Transform::translation(s.centre.x, s.centre.y, s.centre.z) *
@@ -63,7 +63,7 @@ class Corner {
         camera.transform = Transform::look_at({4, 3, 4}, {-1, 1, -1});
         builder.camera(camera);
         scene = api::scene_of(builder.finish());
-        for (int i = 0; i < k_balls; ++i) spheres.add({sphere(i)});
+        for (int i = 0; i < k_plates; ++i) spheres.add({sphere(i)});
     }
     // Around a plate.
     static Sphere sphere(int i)

@@ -6,6 +6,7 @@
 // Nodes lie in depth-first order. A traversal goes through them in order, and skips to `next` from a sphere that is not
 // met.
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -18,6 +19,16 @@ struct Sphere {
     glm::vec3 centre{0};
     float radius = 0;
 };
+
+/// Whether a sphere meets the way from a point: `far` times as long as `way`.
+inline bool meets_way(const Sphere& sphere, const glm::vec3& from, const glm::vec3& way, float far)
+{
+    const glm::vec3 at = sphere.centre - from;
+    const float square = glm::dot(way, way);
+    const float along = square > 0 ? std::clamp(glm::dot(at, way) / square, 0.0f, far) : 0.0f;
+    const glm::vec3 off = at - along * way;
+    return glm::dot(off, off) <= sphere.radius * sphere.radius;
+}
 
 inline constexpr float k_grown = 1.0001f;   // factor on radii, against rounding
 

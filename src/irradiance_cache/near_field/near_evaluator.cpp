@@ -35,7 +35,7 @@ void NearEvaluator::gather(const CacheFrame& frame, std::span<CachePoint* const>
                               scratch_, answers_.data());
         else
             light.gather(*frame.state, *frame.rays, receivers_.data(), receivers_.size(), ray::Against::static_only,
-                         scratch_, answers_.data(), reach_.data());
+                         scratch_, answers_.data(), frame.dynamic_bounds.empty() ? nullptr : reach_.data());
         for (std::size_t k = 0; k < points_.size(); ++k) store(*points_[k], k);
     }
     counters.rays += scratch_.cast;
@@ -58,8 +58,8 @@ std::ptrdiff_t NearEvaluator::evaluate(const CacheFrame& frame, std::span<CacheP
             // Keep what tells which rays dynamic objects may matter to.
             more -= static_cast<std::ptrdiff_t>(point.near_reach.size());
             const auto first = reach_.begin() + static_cast<std::ptrdiff_t>(k * rays);
-            point.near_reach.assign(first,
-                                    frame.dynamic_bounds.empty() ? first : first + static_cast<std::ptrdiff_t>(rays));
+            const std::size_t kept = frame.dynamic_bounds.empty() ? 0 : rays;
+            point.near_reach.assign(first, first + static_cast<std::ptrdiff_t>(kept));
             more += static_cast<std::ptrdiff_t>(point.near_reach.size());
             point.version = version;
             point.dynamic_version = 0;

@@ -240,14 +240,6 @@ void NearLight::gather(const scene::SceneState& state, const ray::RayScene& rays
 // Chooses the lit surfaces whose light a dynamic object may occlude, on its way to them or on to their receiver.
 void NearLight::doubt(const MovingSpheres& spheres, Scratch& scratch)
 {
-    // Whether a sphere meets a way, which is that of a ray as far as `far`.
-    const auto meets = [](const Sphere& sphere, const glm::vec3& from, const glm::vec3& way, float far) {
-        const glm::vec3 at = sphere.centre - from;
-        const float square = glm::dot(way, way);
-        const float along = square > 0 ? std::clamp(glm::dot(at, way) / square, 0.0f, far) : 0.0f;
-        const glm::vec3 off = at - along * way;
-        return glm::dot(off, off) <= sphere.radius * sphere.radius;
-    };
     scratch.doubted.clear();
     scratch.to_lights.clear();
     scratch.to_points.clear();
@@ -257,7 +249,7 @@ void NearLight::doubt(const MovingSpheres& spheres, Scratch& scratch)
         const glm::vec3 surface = scratch.shadow_rays.origin(s), way = scratch.shadow_rays.direction(s);
         const float distance = scratch.hits.t[i], far = scratch.shadow_rays.tfar[s];
         const auto may_occlude = [&](const Sphere& sphere) {
-            return meets(sphere, surface, way, far) || meets(sphere, point, short_way, distance);
+            return meets_way(sphere, surface, way, far) || meets_way(sphere, point, short_way, distance);
         };
         if (!spheres.any(may_occlude, [](const Sphere&) { return true; })) continue;
         scratch.doubted.push_back(s);

@@ -11,16 +11,6 @@ namespace {
 // How far from where a byte says the rays to the lights may start, in steps.
 constexpr float k_inaccuracy = 2;
 
-// Whether a sphere of this squared radius meets the way from `from` that is `way` long, or `far` times as long.
-bool meets(const glm::vec3& centre, float square_radius, const glm::vec3& from, const glm::vec3& way, float far)
-{
-    const glm::vec3 at = centre - from;
-    const float square = glm::dot(way, way);
-    const float along = square > 0 ? std::clamp(glm::dot(at, way) / square, 0.0f, far) : 0.0f;
-    const glm::vec3 off = at - along * way;
-    return glm::dot(off, off) <= square_radius;
-}
-
 }   // namespace
 
 std::uint8_t ReachSteps::encode(const glm::vec3& point, const glm::vec3& direction, float t,
@@ -48,9 +38,8 @@ LightWay way_to(const scene::Light& light, const scene::LightState& at)
 
 bool meets_near_field(const Sphere& sphere, const glm::vec3& point, const LightWay& light, float radius)
 {
-    const float reach = sphere.radius + radius;
     const glm::vec3 way = light.endless ? light.at : light.at - point;
-    return meets(sphere.centre, reach * reach, point, way, light.endless ? k_infinity : 1.0f);
+    return meets_way({sphere.centre, sphere.radius + radius}, point, way, light.endless ? k_infinity : 1.0f);
 }
 
 NearDoubts::NearDoubts(float radius, std::span<const glm::vec3> directions) : steps_(radius), directions_(directions) {}
@@ -90,16 +79,14 @@ void NearDoubts::find(const NearReceiver& receiver, const glm::mat3& axes, std::
     // Find which of them each may.
     const std::size_t count = number_.size();
     for (const Sphere& sphere : met_) {
-        const glm::vec3 centre = sphere.centre - receiver.origin;
-        const float radius = sphere.radius + margin, square = radius * radius;
-        for (std::size_t k = 0; k < count; ++k)
-            doubt_[k] |= meets(centre, square, glm::vec3(0), {x_[k], y_[k], z_[k]}, 1);
+        const Sphere grown{sphere.centre - receiver.origin, sphere.radius + margin};
+        for (std::size_t k = 0; k < count; ++k) doubt_[k] |= meets_way(grown, glm::vec3(0), {x_[k], y_[k], z_[k]}, 1);
         for (const LightWay& light : lights) {
             const glm::vec3 at = light.endless ? light.at : light.at - receiver.origin;
             for (std::size_t k = 0; k < count; ++k) {
                 const glm::vec3 surface(x_[k], y_[k], z_[k]);
-                doubt_[k] |= light.endless ? meets(centre, square, surface, at, k_infinity)
-                                           : meets(centre, square, surface, at - surface, 1);
+                doubt_[k] |= light.endless ? meets_way(grown, surface, at, k_infinity)
+                                           : meets_way(grown, surface, at - surface, 1);
             }
         }
     }

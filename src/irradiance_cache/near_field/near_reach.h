@@ -11,10 +11,8 @@
 #include <span>
 #include <vector>
 
-#include <glm/glm.hpp>
-
 #include "irradiance_cache/light_tree/moving_spheres.h"
-#include "scene/scene.h"
+#include "scene/light.h"
 
 namespace gnomon::irradiance_cache {
 
@@ -56,8 +54,8 @@ struct LightWay {
 class NearDoubts {
  public:
     NearDoubts(float radius, std::span<const glm::vec3> directions);
-    /// @param axes    tangent, bitangent and normal: what a direction's coordinates refer to
-    /// @param lights  all that may light a surface
+    /// @param axes     tangent, bitangent and normal: what a direction's coordinates refer to
+    /// @param lights   all that may light a surface
     /// @param doubted  output: the numbers of such directions, in ascending order; all with k_inexact are among them
     void find(const NearReceiver& receiver, const glm::mat3& axes, std::span<const LightWay> lights,
               const MovingSpheres& spheres, std::vector<std::uint32_t>& doubted);
