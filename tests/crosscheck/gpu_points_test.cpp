@@ -53,12 +53,13 @@ TEST_F(GpuPointsTest, CutsEqualCpuCuts)
         PointCuts cuts;
         device.cut(requests, {}, cuts);
         std::size_t all = 0, differ = 0, far = 0;
-        std::vector<NodeId> nodes, stack;
+        std::vector<NodeId> nodes;
+        CutScratch scratch;
         std::vector<float> weights;
         for (std::size_t p = 0; p < requests.size(); ++p) {
             CutOptions options;
             options.error = requests[p].error, options.estimate = requests[p].estimate;
-            cut_tree(tree, options, requests[p].origin, requests[p].normal, nodes, weights, stack);
+            cut_tree(tree, options, requests[p].origin, requests[p].normal, nodes, weights, scratch);
             std::map<NodeId, float> weight_of;
             for (std::size_t k = 0; k < nodes.size(); ++k) weight_of[nodes[k]] = weights[k];
             all += nodes.size();
@@ -95,9 +96,10 @@ TEST_F(GpuPointsTest, LongCutsAreMadeByTheCpu)
         CutOptions options;
         options.error = requests[p].error;
         options.estimate = requests[p].estimate;
-        std::vector<NodeId> nodes, stack;
+        std::vector<NodeId> nodes;
+        CutScratch scratch;
         std::vector<float> weights;
-        cut_tree(tree, options, requests[p].origin, requests[p].normal, nodes, weights, stack);
+        cut_tree(tree, options, requests[p].origin, requests[p].normal, nodes, weights, scratch);
         const std::uint32_t count = cuts.first[p + 1] - cuts.first[p];
         if (nodes.size() > GNOMON_CUT_ROOM + 10) {
             ASSERT_EQ(count, nodes.size());

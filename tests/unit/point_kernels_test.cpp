@@ -81,13 +81,14 @@ TEST(PointKernels, CutApproximatesAllLeaves)
     const World world;
     std::mt19937 random(11);
     const auto number = [&] { return static_cast<float>(random() % 2000) / 1000 - 1; };
-    std::vector<NodeId> nodes, stack;
+    std::vector<NodeId> nodes;
+    CutScratch scratch;
     std::vector<float> weights;
     double sum = 0, brute_sum = 0, worst = 0, below = 0;
     for (int i = 0; i < 40; ++i) {
         const glm::vec3 origin = 0.9f * glm::vec3(number(), number(), number());
         const glm::vec3 normal = glm::normalize(glm::vec3(number(), number(), number()) + glm::vec3(1e-3f));
-        cut_tree(world.tree, {}, origin, normal, nodes, weights, stack);
+        cut_tree(world.tree, {}, origin, normal, nodes, weights, scratch);
         double light = 0, brute = 0;
         for (std::size_t k = 0; k < nodes.size(); ++k) {
             const auto part = static_cast<double>(weights[k] * world.tree.quad(nodes[k] / 4).flux[nodes[k] % 4]);
@@ -113,6 +114,58 @@ TEST(PointKernels, CutApproximatesAllLeaves)
     EXPECT_NEAR(sum / brute_sum, 1, 0.01);
     EXPECT_LT(worst, 0.06);
     EXPECT_LT(below / sum, 0.002) << "lost: the sample of the node is below the horizon";
+}
+
+TEST(PointKernels, FindsEachUnevenPatchAroundAPoint)
+{
+    const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("spheres?objects=60&dynamic=0"));
+    const scene::SceneState state{scene, scene->timeline.time_of(1)};
+    const ray::RayScene rays{state};
+    Tasks tasks{1};
+    LightTreeOptions options;
+    options.patches.bounces = 2;
+    const LightTree tree{state, rays, options, tasks};
+    ASSERT_TRUE(tree.patch_light());
+    const std::span<const patches::Patch> patches = tree.patch_light()->patches().patches();
+    std::vector<NodeId> parent_of(tree.size() / 4, scene::none);   // by quad
+    for (NodeId id = tree.first_patch(); id < tree.size(); ++id)
+        if (tree.children(id) != scene::none) parent_of[tree.children(id)] = id;
+    const auto is_below = [&](NodeId above, NodeId node) {
+        while (node != scene::none && node != above) node = parent_of[node / 4];
+        return above != scene::none && node == above;
+    };
+    MarkedNodes but;
+    but.resize(tree.size());
+    std::vector<NodeId> found, stack;
+    std::size_t all = 0, marked = 0;
+    for (std::size_t p = 0; p < patches.size(); p += 1 + patches.size() / 50) {
+        const glm::vec3 origin = patches[p].position + 0.5f * patches[p].radius * glm::vec3(0.6f, -0.3f, 0.4f);
+        // Leave out one of them, and another's parent with all below.
+        const NodeId left_out = tree.node_of(static_cast<patches::PatchId>(p));
+        const NodeId parent = p % 2 == 0 ? parent_of[left_out / 4] : scene::none;
+        but.mark(left_out);
+        if (parent != scene::none) but.mark(parent);
+        find_uneven(tree, origin, but, found, stack);
+        but.unmark(left_out);
+        if (parent != scene::none) but.unmark(parent);
+        std::vector<NodeId> expected;
+        for (patches::PatchId other = 0; other < patches.size(); ++other) {
+            const NodeId node = tree.node_of(other);
+            const patches::Patch& patch = patches[other];
+            if (!(tree.quad(node / 4).flux[node % 4] > 0) || !(glm::dot(patch.normal, patch.normal) < 0.98f)) continue;
+            if (!(PatchLight::k_uneven_reach * patch.radius > glm::length(patch.position - origin))) continue;
+            if (node == left_out || is_below(parent, node))
+                ++marked;
+            else
+                expected.push_back(node);
+        }
+        std::ranges::sort(found);
+        std::ranges::sort(expected);
+        EXPECT_EQ(found, expected) << p;
+        all += expected.size();
+    }
+    EXPECT_GT(all, 50u);
+    EXPECT_GT(marked, 10u);
 }
 
 TEST(PointKernels, FindsNodesThatDynamicObjectsMayChange)

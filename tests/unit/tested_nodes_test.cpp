@@ -25,7 +25,7 @@ class TestedNodesOfCornell : public testing::Test {
     {
         CutOptions finest;
         finest.error = 0.0005f;
-        cut_tree(tree_, finest, point_.origin, point_.normal, cut_, weights_, stack_);
+        cut_tree(tree_, finest, point_.origin, point_.normal, cut_, weights_, scratch_);
         ASSERT_GT(cut_.size(), 500u);
     }
     glm::dvec3 light(std::span<const NodeId> nodes, std::span<const float> weights) const
@@ -48,7 +48,8 @@ class TestedNodesOfCornell : public testing::Test {
     Tasks tasks_{1};
     LightTree tree_{state_, rays_, LightTreeOptions{}, tasks_};
     const FacingPoint point_{{0.1f, -0.9f, 0.2f}, {0, 1, 0}, {0, 1, 0}};
-    std::vector<NodeId> cut_, stack_;
+    std::vector<NodeId> cut_;
+    CutScratch scratch_;
     std::vector<float> weights_;
     TestedNodes tested_;
 };

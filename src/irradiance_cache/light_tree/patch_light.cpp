@@ -103,27 +103,34 @@ void PatchLight::find_uneven()
 {
     constexpr float k_even = 0.98f;   // square of the length of the mean normal
     constexpr float k_rounding = 1.0001f;
-    uneven_.assign(tree_.patch.size(), {});
-    for (std::size_t n = uneven_.size(); n-- > 0;) {
+    uneven_.assign(tree_.patch.size() / 4, {});
+    for (std::size_t n = tree_.patch.size(); n-- > 0;) {
+        Reach& quad = uneven_[n / 4];
+        const auto set = [&quad, lane = n % 4](const glm::vec3& centre, float radius) {
+            quad.x[lane] = centre.x, quad.y[lane] = centre.y, quad.z[lane] = centre.z, quad.radius[lane] = radius;
+        };
         if (tree_.patch[n] != patches::k_no_patch) {
             const patches::Patch& patch = patches_.patches()[tree_.patch[n]];
             if (glm::dot(patch.normal, patch.normal) < k_even)
-                uneven_[n] = {patch.position, k_rounding * k_uneven_reach * patch.radius};
+                set(patch.position, k_rounding * k_uneven_reach * patch.radius);
         } else if (tree_.children[n] != scene::none) {
-            const std::span<const Reach> below(uneven_.data() + 4 * std::size_t{tree_.children[n]}, 4);
+            const Reach& below = uneven_[tree_.children[n]];
+            const auto centre_of = [&below](int child) {
+                return glm::vec3(below.x[child], below.y[child], below.z[child]);
+            };
             Box3 box;
-            for (const Reach& child : below) {
-                if (child.radius < 0) continue;
-                box.add(child.centre - glm::vec3(child.radius));
-                box.add(child.centre + glm::vec3(child.radius));
+            for (int child = 0; child < 4; ++child) {
+                if (below.radius[child] < 0) continue;
+                box.add(centre_of(child) - glm::vec3(below.radius[child]));
+                box.add(centre_of(child) + glm::vec3(below.radius[child]));
             }
             if (box.empty()) continue;
-            Reach& all = uneven_[n];
-            all.centre = box.centre();
-            for (const Reach& child : below)
-                if (child.radius >= 0)
-                    all.radius =
-                        std::max(all.radius, k_rounding * (glm::length(child.centre - all.centre) + child.radius));
+            float radius = -1;
+            for (int child = 0; child < 4; ++child)
+                if (below.radius[child] >= 0)
+                    radius = std::max(
+                        radius, k_rounding * (glm::length(centre_of(child) - box.centre()) + below.radius[child]));
+            set(box.centre(), radius);
         }
     }
 }

@@ -53,14 +53,15 @@ class PatchLight {
     int bounce_count() const { return options_.bounces; }
     const patches::SurfacePatches& patches() const { return patches_; }
     const PatchTree& tree() const { return tree_; }
-    /// By node of the tree: a sphere that encloses all places which are less than k_uneven_reach radii away from a
-    /// patch below whose surface is uneven, so that its parts may see each other. Its radius is negative if there is
-    /// none.
+    /// By node of a quad of the tree: a sphere that encloses all places which are less than k_uneven_reach radii away
+    /// from a patch below whose surface is uneven, so that its parts may see each other. Its radius is negative if
+    /// there is none.
     struct Reach {
-        glm::vec3 centre{0};
-        float radius = -1;
+        float x[4] = {}, y[4] = {}, z[4] = {};
+        float radius[4] = {-1, -1, -1, -1};
     };
     static constexpr float k_uneven_reach = 2;
+    /// By quad.
     std::span<const Reach> uneven() const { return uneven_; }
     /// The node of that tree that is a patch.
     std::uint32_t node(patches::PatchId patch) const { return node_[patch]; }
@@ -105,7 +106,7 @@ class PatchLight {
     patches::PatchLinks links_;
     patches::PatchEmission emission_;
     PatchTree tree_;
-    std::vector<Reach> uneven_;         // by node
+    std::vector<Reach> uneven_;         // by quad of the tree
     std::vector<std::uint32_t> node_;   // by patch
     std::vector<glm::vec3> albedo_;
     std::vector<float> area_;

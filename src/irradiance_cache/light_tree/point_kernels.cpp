@@ -22,42 +22,32 @@ constexpr float k_second_order = 0.5f;   // largest A / (pi d^2) for which a ker
 constexpr float k_mixed = 0.1f;          // spread of normals above which one place cannot represent a node
 constexpr float k_horizon = 0.1f;        // cosine at the point below which it cannot, either
 
-// Quads that are evaluated together, in any vector width.
+// Quads that are evaluated together, in any vector width. Sums have one partial sum for each of their nodes.
 constexpr std::size_t k_group = 4;
-
-// The nodes of a group of quads, as a point sees them.
-struct Group {
-    alignas(64) float light[4 * k_group];    // irradiance, visibility ignored
-    alignas(64) float most[4 * k_group];     // approximate upper bound for any place inside the node
-    alignas(64) float width[4 * k_group];    // radius over distance
-    alignas(64) float spread[4 * k_group];   // of the normals: 0 if all agree
-    unsigned there;                          // lanes with flux that are not entirely below the horizon
-};
+constexpr std::size_t k_nodes = 4 * k_group;
 
 #if HWY_HAVE_SCALABLE
 constexpr std::size_t k_lanes = 4;
 #else
-constexpr std::size_t k_lanes = std::min<std::size_t>(4 * k_group, HWY_MAX_BYTES / sizeof(float));
+constexpr std::size_t k_lanes = std::min<std::size_t>(k_nodes, HWY_MAX_BYTES / sizeof(float));
 #endif
+constexpr std::size_t k_vectors = k_nodes / k_lanes;   // of a group
 using Wide = hn::FixedTag<float, k_lanes>;
+using WideId = hn::RebindToUnsigned<Wide>;
+using V = hn::Vec<Wide>;
+using Ids = hn::Vec<WideId>;
 
-// Loads one member of consecutive quads into a vector.
-using Member = const float (VirtualLightQuad::*)[4];
-HWY_INLINE hn::Vec<hn::FixedTag<float, 4>> load(const VirtualLightQuad* const* quads, std::size_t i, Member member)
-{
-    return hn::LoadU(hn::FixedTag<float, 4>(), quads[i]->*member);
-}
-template <class D>
-HWY_INLINE hn::Vec<D> side_by_side(D d, const VirtualLightQuad* const* quads, Member member)
+// Puts vectors of four lanes, one for each quad, side by side. Four: a vector by number of the quad.
+template <class D, class Four>
+HWY_INLINE hn::Vec<D> side_by_side(D d, const Four& four)
 {
     if constexpr (hn::MaxLanes(d) == 16) {
         const hn::Half<D> half;
-        return hn::Combine(d, hn::Combine(half, load(quads, 3, member), load(quads, 2, member)),
-                           hn::Combine(half, load(quads, 1, member), load(quads, 0, member)));
+        return hn::Combine(d, hn::Combine(half, four(3), four(2)), hn::Combine(half, four(1), four(0)));
     } else if constexpr (hn::MaxLanes(d) == 8) {
-        return hn::Combine(d, load(quads, 1, member), load(quads, 0, member));
+        return hn::Combine(d, four(1), four(0));
     } else {
-        return load(quads, 0, member);
+        return four(0);
     }
 }
 
@@ -71,40 +61,73 @@ HWY_INLINE hn::Vec<D> rectified(D d, hn::Vec<D> mean, hn::Vec<D> reach)
                    hn::Max(hn::Sub(mean, reach), hn::Zero(d)));
 }
 
+// The sum of as many numbers as a list is padded to, in an order that does not depend on the width of vectors.
+float total_of(const float* values)
+{
+    float sums[k_seen_step];
+    std::copy(values, values + k_seen_step, sums);
+    for (std::uint32_t half = k_seen_step / 2; half > 0; half /= 2)
+        for (std::uint32_t i = 0; i < half; ++i) sums[i] += sums[i + half];
+    return sums[0];
+}
+
+// What a cut is for.
+struct Receiver {
+    const LightTree& tree;
+    const CutOptions& options;
+    glm::vec3 origin, normal;
+};
+
+// Nodes of quads, as a receiver sees them.
+struct Seen {
+    V light;    // irradiance, visibility ignored
+    V most;     // approximate upper bound for any place inside the node
+    V bound;    // of the error, if the node is not refined
+    V spread;   // of the normals: 0 if all agree
+    V flux;
+    hn::Mask<Wide> there;   // with flux, and not entirely below the horizon
+    hn::Mask<Wide> real;    // nodes of these quads; others fill a vector
+};
+
+// Evaluates quads. Take: void(std::size_t first, const Seen&), with the number of the first node in the group.
 // @param count  of quads, 1 to k_group
-HWY_INLINE void evaluate(const LightTree& tree, const NodeId* ids, std::size_t count, const glm::vec3& origin,
-                         const glm::vec3& normal, Group& group)
+template <class Take>
+HWY_INLINE void evaluate(const Receiver& point, const NodeId* ids, std::size_t count, Take&& take)
 {
     const Wide d;
+    const glm::vec3 &origin = point.origin, &normal = point.normal;
     const VirtualLightQuad* quads[k_group];
-    for (std::size_t i = 0; i < k_group; ++i) quads[i] = &tree.quad(ids[std::min(i, count - 1)]);
+    for (std::size_t i = 0; i < k_group; ++i) quads[i] = &point.tree.quad(ids[std::min(i, count - 1)]);
     const auto inverse_pi = hn::Set(d, static_cast<float>(1 / k_pi)), tiny = hn::Set(d, k_tiny);
     const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f);
-    group.there = 0;
     for (std::size_t first = 0; first < 4 * count; first += k_lanes) {
-        const VirtualLightQuad* const* const q = quads + first / 4;
-        const auto x = hn::Sub(side_by_side(d, q, &VirtualLightQuad::x), hn::Set(d, origin.x));
-        const auto y = hn::Sub(side_by_side(d, q, &VirtualLightQuad::y), hn::Set(d, origin.y));
-        const auto z = hn::Sub(side_by_side(d, q, &VirtualLightQuad::z), hn::Set(d, origin.z));
+        const auto load = [&](const float(VirtualLightQuad::*member)[4]) HWY_ATTR {
+            return side_by_side(d, [&](std::size_t i) HWY_ATTR {
+                return hn::LoadU(hn::FixedTag<float, 4>(), quads[first / 4 + i]->*member);
+            });
+        };
+        const auto x = hn::Sub(load(&VirtualLightQuad::x), hn::Set(d, origin.x));
+        const auto y = hn::Sub(load(&VirtualLightQuad::y), hn::Set(d, origin.y));
+        const auto z = hn::Sub(load(&VirtualLightQuad::z), hn::Set(d, origin.z));
         const auto square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
         const auto inverse = hn::Div(one, hn::Sqrt(hn::Max(square, tiny)));
-        const auto area = hn::Mul(side_by_side(d, q, &VirtualLightQuad::area), inverse_pi);
-        const auto flux = side_by_side(d, q, &VirtualLightQuad::flux);
-        const auto nx = side_by_side(d, q, &VirtualLightQuad::nx), ny = side_by_side(d, q, &VirtualLightQuad::ny),
-                   nz = side_by_side(d, q, &VirtualLightQuad::nz);
+        const auto area = hn::Mul(load(&VirtualLightQuad::area), inverse_pi);
+        const auto flux = load(&VirtualLightQuad::flux);
+        const auto nx = load(&VirtualLightQuad::nx), ny = load(&VirtualLightQuad::ny), nz = load(&VirtualLightQuad::nz);
         const auto mx = hn::Set(d, normal.x), my = hn::Set(d, normal.y), mz = hn::Set(d, normal.z);
-        const auto width = hn::Mul(side_by_side(d, q, &VirtualLightQuad::radius), inverse);
+        const auto width = hn::Mul(load(&VirtualLightQuad::radius), inverse);
         const auto receiver = hn::Mul(hn::Add(hn::Add(hn::Mul(x, mx), hn::Mul(y, my)), hn::Mul(z, mz)), inverse);
         const auto source = hn::Neg(hn::Mul(hn::Add(hn::Add(hn::Mul(x, nx), hn::Mul(y, ny)), hn::Mul(z, nz)), inverse));
         const auto disk = hn::Mul(hn::Div(inverse_pi, hn::Add(hn::Add(square, area), tiny)), flux);
         const auto spread =
             hn::Max(hn::Sub(one, hn::Add(hn::Add(hn::Mul(nx, nx), hn::Mul(ny, ny)), hn::Mul(nz, nz))), zero);
-        hn::Store(spread, d, group.spread + first);
         const auto reach = hn::Sqrt(spread), room = hn::Add(width, reach);
         const auto r = hn::Max(receiver, zero), e = rectified(d, source, reach);
-        hn::Store(
-            hn::Mul(hn::Mul(hn::Min(hn::Add(r, width), one), hn::Min(hn::Max(hn::Add(source, room), zero), one)), disk),
-            d, group.most + first);
+        Seen seen;
+        seen.most =
+            hn::Mul(hn::Mul(hn::Min(hn::Add(r, width), one), hn::Min(hn::Max(hn::Add(source, room), zero), one)), disk);
+        const auto wide = hn::Max(width, spread);
+        seen.bound = hn::Mul(seen.most, hn::IfThenElse(hn::Gt(wide, hn::Set(d, point.options.nearest)), one, wide));
         // Compute the kernel's mean over a disk to second order, as far as that holds (point_kernels.h).
         const auto solid = hn::Div(area, hn::Max(square, tiny));
         const auto near = hn::Min(solid, hn::Set(d, k_second_order)), beyond = hn::Sub(solid, near);
@@ -116,144 +139,270 @@ HWY_INLINE void evaluate(const LightTree& tree, const NodeId* ids, std::size_t c
         const auto less = hn::Div(hn::Mul(r, r), hn::Max(hn::Sub(r, change), tiny));
         const auto cosine = hn::IfThenElse(hn::Gt(change, zero), more, less);
         const auto kernel = hn::Mul(hn::Div(inverse_pi, hn::Max(hn::Mul(square, hn::Add(one, beyond)), tiny)), flux);
-        hn::Store(hn::Mul(hn::Mul(cosine, e), kernel), d, group.light + first);
-        hn::Store(width, d, group.width + first);
-        const auto there = hn::And(hn::Gt(flux, zero), hn::Gt(hn::Add(receiver, width), zero));
-        std::uint8_t bits[8] = {};
-        hn::StoreMaskBits(d, there, bits);
-        constexpr unsigned k_all = (1u << k_lanes) - 1;
-        group.there |= ((bits[0] | static_cast<unsigned>(bits[1]) << 8) & k_all) << first;
+        seen.light = hn::Mul(hn::Mul(cosine, e), kernel);
+        seen.spread = spread, seen.flux = flux;
+        seen.real = hn::FirstN(d, std::min(4 * count - first, k_lanes));
+        seen.there = hn::And(hn::And(hn::Gt(flux, zero), hn::Gt(hn::Add(receiver, width), zero)), seen.real);
+        take(first, seen);
     }
-    group.there &= (1u << (4 * count)) - 1;   // the last vector is padded with the last quad
 }
 
-HWY_INLINE float of_quad(const Group& group, std::size_t i)
-{
-    const float* light = group.light + 4 * i;
-    return (light[0] + light[1]) + (light[2] + light[3]);
-}
+// A list to which some lanes of a vector are added.
+template <class T>
+class Lanes {
+ public:
+    explicit Lanes(std::vector<T>& values) : values_(values) {}
+    Lanes(const Lanes&) = delete;
+    Lanes& operator=(const Lanes&) = delete;
+    ~Lanes() { values_.resize(size_); }
 
-// Takes a group of quads off the stack.
-HWY_INLINE std::size_t pop(std::vector<NodeId>& stack, NodeId (&quads)[k_group])
+    std::size_t size() const { return size_; }
+    const T* from(std::size_t first) const { return values_.data() + first; }
+    template <class D>
+    HWY_INLINE void add(D d, hn::Vec<D> v, hn::Mask<hn::Rebind<float, D>> lanes)
+    {
+        if (values_.size() < size_ + k_lanes) values_.resize(2 * size_ + 16 * k_lanes);
+        size_ += hn::CompressStore(v, hn::RebindMask(d, lanes), d, values_.data() + size_);
+    }
+    void assign(const std::vector<T>& values)
+    {
+        values_ = values;
+        size_ = values.size();
+    }
+    // Takes the last values, up to k_group of them, off the list. @return their number
+    std::size_t pop(T (&values)[k_group])
+    {
+        const std::size_t count = std::min(k_group, size_);
+        size_ -= count;
+        std::copy_n(values_.data() + size_, count, values);
+        return count;
+    }
+
+ private:
+    std::vector<T>& values_;
+    std::size_t size_ = 0;
+};
+
+// A sum of one partial sum for each node of a group.
+class Sum {
+ public:
+    HWY_INLINE Sum()
+    {
+        for (V& part : parts_) part = hn::Zero(Wide());
+    }
+    HWY_INLINE void add(std::size_t first, V v, hn::Mask<Wide> lanes)
+    {
+        V& part = parts_[first / k_lanes];
+        part = hn::Add(part, hn::IfThenElseZero(lanes, v));
+    }
+    HWY_INLINE float total() const
+    {
+        alignas(64) float sums[k_nodes];
+        for (std::size_t i = 0; i < k_vectors; ++i) hn::Store(parts_[i], Wide(), sums + i * k_lanes);
+        return total_of(sums);
+    }
+
+ private:
+    V parts_[k_vectors];
+};
+
+// The quads of the children of some quads' nodes: scene::none for leaves.
+HWY_INLINE Ids children_of(const LightTree& tree, const NodeId* quads, std::size_t count, std::size_t first)
 {
-    const std::size_t count = std::min(k_group, stack.size());
-    std::copy(stack.end() - static_cast<std::ptrdiff_t>(count), stack.end(), quads);
-    stack.resize(stack.size() - count);
-    return count;
+    return side_by_side(WideId(), [&](std::size_t i) HWY_ATTR {
+        const std::size_t quad = std::min(first / 4 + i, count - 1);
+        return hn::LoadU(hn::FixedTag<NodeId, 4>(), tree.children().data() + 4 * std::size_t{quads[quad]});
+    });
 }
 
 // Estimates the light of all nodes, visibility ignored, from a cut whose nodes have error bounds of at most `wrong`.
 // With 0, the cut is the roots, and the estimate is above 0 wherever any light might arrive.
-float estimate(const LightTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
-               float wrong, std::vector<NodeId>& stack, std::vector<NodeId>& kept)
+float estimate(const Receiver& point, float wrong, CutScratch& scratch)
 {
     constexpr float k_likely = 0.05f;   // fraction of its upper bound that a wide node is assumed to bring
-    float total = 0, most = 0;
-    Group group;
+    const Wide d;
+    const WideId di;
+    Sum light, most;
+    Lanes stack(scratch.stack), kept(scratch.below);
+    stack.assign(point.tree.roots());
     NodeId quads[k_group];
-    kept.clear();
-    stack = tree.roots();
-    while (!stack.empty()) {
-        const std::size_t count = pop(stack, quads);
-        evaluate(tree, quads, count, origin, normal, group);
-        for (unsigned lanes = group.there; lanes != 0; lanes &= lanes - 1) {
-            const auto i = static_cast<unsigned>(__builtin_ctz(lanes));
-            const NodeId below = tree.children(4 * quads[i / 4] + i % 4);
-            const float width = std::max(group.width[i], group.spread[i]);
-            if (wrong > 0 && below != scene::none && group.most[i] * (width > options.nearest ? 1.0f : width) > wrong) {
-                stack.push_back(below);
-                continue;
-            }
-            most += group.most[i];
-            if (below == scene::none)
-                total += group.light[i];
-            else
-                kept.push_back(below);
-        }
+    const V limit = hn::Set(d, wrong > 0 ? wrong : k_infinity);
+    while (const std::size_t count = stack.pop(quads)) {
+        evaluate(point, quads, count, [&](std::size_t first, const Seen& seen) HWY_ATTR {
+            const Ids children = children_of(point.tree, quads, count, first);
+            const auto leaf = hn::RebindMask(d, hn::Eq(children, hn::Set(di, scene::none)));
+            const auto inner = hn::AndNot(leaf, seen.there), refined = hn::And(inner, hn::Gt(seen.bound, limit));
+            stack.add(di, children, refined);
+            kept.add(di, children, hn::AndNot(refined, inner));
+            light.add(first, seen.light, hn::And(leaf, seen.there));
+            if (!(wrong > 0)) most.add(first, seen.most, seen.there);
+        });
     }
     // The light of a kept node is that of its children.
-    for (std::size_t k = 0; k < kept.size(); k += k_group) {
-        const std::size_t count = std::min(k_group, kept.size() - k);
-        evaluate(tree, kept.data() + k, count, origin, normal, group);
-        for (std::size_t i = 0; i < count; ++i) total += of_quad(group, i);
+    for (std::size_t k = 0; k < kept.size(); k += k_group)
+        evaluate(point, kept.from(k), std::min(k_group, kept.size() - k),
+                 [&](std::size_t first, const Seen& seen) HWY_ATTR { light.add(first, seen.light, seen.real); });
+    const float total = light.total();
+    return wrong > 0 ? total : std::max(total, k_likely * most.total());
+}
+
+// A cut in the making.
+struct Cut {
+    Lanes<NodeId> nodes;
+    Lanes<float> weights;
+    Sum light;          // of its nodes
+    float negligible;   // light of a node that is left out
+
+    HWY_INLINE void keep(std::size_t first, Ids ids, V lights, V flux, hn::Mask<Wide> lanes)
+    {
+        const Wide d;
+        lanes = hn::And(lanes, hn::Gt(lights, hn::Set(d, negligible)));
+        nodes.add(WideId(), ids, lanes);
+        weights.add(d, hn::Div(lights, flux), lanes);
+        light.add(first, lights, lanes);
     }
-    return wrong > 0 ? total : std::max(total, k_likely * most);
+};
+
+// The nodes of quads.
+HWY_INLINE Ids nodes_of(const NodeId* quads, std::size_t count, std::size_t first)
+{
+    const hn::FixedTag<NodeId, 4> d4;
+    return side_by_side(
+        WideId(), [&](std::size_t i) HWY_ATTR { return hn::Iota(d4, 4 * quads[std::min(first / 4 + i, count - 1)]); });
+}
+
+// Adds the nodes that are not refined to a cut: each as itself, or as its children where one place cannot represent it.
+void keep_nodes(const Receiver& point, const CutScratch& scratch, Cut& cut)
+{
+    const Wide d;
+    const WideId di;
+    const hn::FixedTag<NodeId, 4> i4;
+    const hn::FixedTag<float, 4> d4;
+    const auto first_of_quad = hn::Eq(hn::And(hn::Iota(di, 0), hn::Set(di, 3)), hn::Zero(di));
+    for (std::size_t k = 0; k < scratch.below.size(); k += k_group) {
+        const std::size_t count = std::min(k_group, scratch.below.size() - k);
+        const NodeId* const below = scratch.below.data() + k;
+        evaluate(point, below, count, [&](std::size_t first, const Seen& seen) HWY_ATTR {
+            const auto of = [&](std::size_t i) { return k + std::min(first / 4 + i, count - 1); };
+            const auto node =
+                side_by_side(di, [&](std::size_t i) HWY_ATTR { return hn::Set(i4, scratch.node[of(i)]); });
+            const auto flux = side_by_side(d, [&](std::size_t i) HWY_ATTR { return hn::Set(d4, scratch.flux[of(i)]); });
+            const auto spread =
+                side_by_side(d, [&](std::size_t i) HWY_ATTR { return hn::Set(d4, scratch.spread[of(i)]); });
+            const auto place = [&](int axis) HWY_ATTR {
+                return hn::Sub(side_by_side(d,
+                                            [&](std::size_t i) HWY_ATTR {
+                                                return hn::Set(d4, point.tree.samples().at(scratch.node[of(i)])[axis]);
+                                            }),
+                               hn::Set(d, point.origin[axis]));
+            };
+            // One place must represent the whole node: on a side that can be visible, above the horizon. Otherwise the
+            // whole node could be lost, so each of its children gets a visibility ray of its own.
+            const auto x = place(0), y = place(1), z = place(2);
+            const auto along =
+                hn::Add(hn::Add(hn::Mul(x, hn::Set(d, point.normal.x)), hn::Mul(y, hn::Set(d, point.normal.y))),
+                        hn::Mul(z, hn::Set(d, point.normal.z)));
+            const auto length = hn::Sqrt(hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
+            const auto mixed =
+                hn::Or(hn::Gt(spread, hn::Set(d, k_mixed)), hn::Lt(along, hn::Mul(hn::Set(d, k_horizon), length)));
+            const auto two = hn::Add(seen.light, hn::Shuffle2301(seen.light));
+            const auto whole = hn::And(hn::AndNot(mixed, seen.real), hn::RebindMask(d, first_of_quad));
+            cut.keep(first, hn::IfThenElse(hn::RebindMask(di, mixed), nodes_of(below, count, first), node),
+                     hn::IfThenElse(mixed, seen.light, hn::Add(two, hn::Shuffle1032(two))),
+                     hn::IfThenElse(mixed, seen.flux, flux), hn::Or(hn::And(mixed, seen.there), whole));
+        });
+    }
 }
 
 void cut_tree_of(const LightTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
-                 std::vector<NodeId>& nodes, std::vector<float>& weights, std::vector<NodeId>& stack)
+                 std::vector<NodeId>& nodes, std::vector<float>& weights, CutScratch& scratch)
 {
+    const Wide d;
+    const WideId di;
+    const Receiver point{tree, options, origin, normal};
     // Estimate the light of all nodes by coarse cuts, each of which gives the error threshold of the next.
-    float total = estimate(tree, options, origin, normal, 0, stack, nodes);
+    float total = estimate(point, 0, scratch);
     for (const float fraction : {0.3f, options.estimate}) {
         if (!(total > 0)) break;
-        total = estimate(tree, options, origin, normal, fraction * total, stack, nodes);
+        total = estimate(point, fraction * total, scratch);
     }
-    Group group, parts;
-    NodeId quads[k_group];
-    struct Kept {
-        NodeId id, below;
-        bool mixed;   // one place cannot represent the whole node
-    } waiting[k_group];
-    std::size_t waits = 0;
-    // Refine each node whose error bound exceeds the threshold [Walter et al. 2005, Section 4].
-    const float wrong = options.error * total, negligible = options.negligible * total;
     float kept = 0;
-    nodes.clear();
-    weights.clear();
-    const auto keep = [&](NodeId node, float flux, float light) {
-        if (!(light > negligible)) return;
-        nodes.push_back(node);
-        weights.push_back(light / flux);
-        kept += light;
-    };
-    const auto keep_waiting = [&]() HWY_ATTR {
-        if (waits == 0) return;
-        NodeId below[k_group];
-        for (std::size_t i = 0; i < waits; ++i) below[i] = waiting[i].below;
-        evaluate(tree, below, waits, origin, normal, parts);
-        for (std::size_t i = 0; i < waits; ++i) {
-            const Kept& node = waiting[i];
-            if (!node.mixed) {
-                keep(node.id, tree.quad(node.id / 4).flux[node.id % 4], of_quad(parts, i));
-                continue;
+    {
+        Cut cut{Lanes(nodes), Lanes(weights), {}, options.negligible * total};
+        // Refine each node whose error bound exceeds the threshold [Walter et al. 2005, Section 4].
+        const V wrong = hn::Set(d, options.error * total);
+        {
+            Lanes stack(scratch.stack), node(scratch.node), below(scratch.below);
+            Lanes flux(scratch.flux), spread(scratch.spread);
+            stack.assign(tree.roots());
+            NodeId quads[k_group];
+            while (const std::size_t count = stack.pop(quads)) {
+                evaluate(point, quads, count, [&](std::size_t first, const Seen& seen) HWY_ATTR {
+                    const Ids children = children_of(tree, quads, count, first), ids = nodes_of(quads, count, first);
+                    const auto leaf = hn::RebindMask(d, hn::Eq(children, hn::Set(di, scene::none)));
+                    const auto inner = hn::AndNot(leaf, seen.there),
+                               refined = hn::And(inner, hn::Gt(seen.bound, wrong));
+                    const auto whole = hn::AndNot(refined, inner);
+                    stack.add(di, children, refined);
+                    node.add(di, ids, whole), below.add(di, children, whole);
+                    flux.add(d, seen.flux, whole), spread.add(d, seen.spread, whole);
+                    cut.keep(first, ids, seen.light, seen.flux, hn::And(leaf, seen.there));
+                });
             }
-            for (std::size_t part = 0; part < 4; ++part)
-                if ((parts.there >> (4 * i + part)) & 1)
-                    keep(static_cast<NodeId>(4 * node.below + part), tree.quad(node.below).flux[part],
-                         parts.light[4 * i + part]);
         }
-        waits = 0;
-    };
-    stack = tree.roots();
-    while (!stack.empty()) {
-        const std::size_t count = pop(stack, quads);
-        evaluate(tree, quads, count, origin, normal, group);
-        for (unsigned lanes = group.there; lanes != 0; lanes &= lanes - 1) {
-            const auto i = static_cast<unsigned>(__builtin_ctz(lanes));
-            const NodeId id = 4 * quads[i / 4] + i % 4, below = tree.children(id);
-            if (below == scene::none) {
-                keep(id, tree.quad(id / 4).flux[id % 4], group.light[i]);
-                continue;
-            }
-            const float width = std::max(group.width[i], group.spread[i]);
-            if (group.most[i] * (width > options.nearest ? 1.0f : width) > wrong) {
-                stack.push_back(below);
-                continue;
-            }
-            // One place must represent the whole node: on a side that can be visible, above the horizon. Otherwise the
-            // whole node could be lost, so each of its children gets a visibility ray of its own.
-            const glm::vec3 to = tree.samples().at(id) - origin;
-            const bool mixed = group.spread[i] > k_mixed || glm::dot(to, normal) < k_horizon * glm::length(to);
-            waiting[waits++] = {id, below, mixed};
-            if (waits == k_group) keep_waiting();
-        }
+        keep_nodes(point, scratch, cut);
+        kept = cut.light.total();
     }
-    keep_waiting();
     // Coarse nodes are too dark because the kernel is convex. Scale all weights to make up for it.
     constexpr float k_most_lack = 1.25f;
     const float lack = kept > 0 ? std::clamp(total / kept, 1.0f, k_most_lack) : 1.0f;
     for (float& weight : weights) weight *= lack;
+}
+
+void find_uneven_of(const LightTree& tree, const glm::vec3& origin, const MarkedNodes& but, std::vector<NodeId>& found,
+                    std::vector<NodeId>& stack)
+{
+    const hn::FixedTag<float, 4> d;
+    const hn::RebindToUnsigned<decltype(d)> di;
+    const std::span<const PatchLight::Reach> reaches = tree.patch_light()->uneven();
+    const NodeId first = tree.first_patch() / 4;
+    const auto ox = hn::Set(d, origin.x), oy = hn::Set(d, origin.y), oz = hn::Set(d, origin.z), zero = hn::Zero(d);
+    const auto square_to = [&](const float(&x)[4], const float(&y)[4], const float(&z)[4]) HWY_ATTR {
+        const auto dx = hn::Sub(hn::LoadU(d, x), ox), dy = hn::Sub(hn::LoadU(d, y), oy),
+                   dz = hn::Sub(hn::LoadU(d, z), oz);
+        return hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+    };
+    found.clear();
+    stack.clear();
+    for (const std::uint32_t root : tree.patch_light()->tree().roots) stack.push_back(first + root);
+    while (!stack.empty()) {
+        const NodeId number = stack.back();
+        stack.pop_back();
+        const VirtualLightQuad& quad = tree.quad(number);
+        const PatchLight::Reach& reach = reaches[number - first];
+        const auto radius = hn::LoadU(d, reach.radius);
+        auto near =
+            hn::And(hn::Gt(radius, zero), hn::Lt(square_to(reach.x, reach.y, reach.z), hn::Mul(radius, radius)));
+        near = hn::And(near, hn::Gt(hn::LoadU(d, quad.flux), zero));
+        if (hn::AllFalse(d, near)) continue;
+        // Of leaves, take those that are near.
+        const auto children = hn::LoadU(di, tree.children().data() + 4 * std::size_t{number});
+        const auto leaf = hn::RebindMask(d, hn::Eq(children, hn::Set(di, scene::none)));
+        const auto distance = hn::Sqrt(square_to(quad.x, quad.y, quad.z));
+        const auto wide = hn::Gt(hn::Mul(hn::LoadU(d, quad.radius), hn::Set(d, PatchLight::k_uneven_reach)), distance);
+        std::uint8_t bits[8] = {}, leaves[8] = {};
+        hn::StoreMaskBits(d, hn::And(near, hn::Or(hn::Not(leaf), wide)), bits);
+        hn::StoreMaskBits(d, leaf, leaves);
+        for (unsigned lanes = bits[0] & 15u; lanes != 0; lanes &= lanes - 1) {
+            const auto lane = static_cast<unsigned>(__builtin_ctz(lanes));
+            const NodeId node = 4 * number + lane;
+            if (but.has(node)) continue;
+            if (((leaves[0] >> lane) & 1) != 0)
+                found.push_back(node);
+            else
+                stack.push_back(tree.children(node));
+        }
+    }
 }
 
 // The samples, four floats per node; null if there are none.
@@ -265,16 +414,6 @@ HWY_INLINE const float* places_of(const LightTree& tree)
 
 // A weight is stored as the leading bits of a float between 2^-64 and 2^64.
 constexpr std::uint32_t k_weight_shift = 30 - k_weight_bits, k_weight_bias = (127u - 64) << 23;
-
-// The sum of as many numbers as a list is padded to, in an order that does not depend on the width of vectors.
-float total_of(const float* values)
-{
-    float sums[k_seen_step];
-    std::copy(values, values + k_seen_step, sums);
-    for (std::uint32_t half = k_seen_step / 2; half > 0; half /= 2)
-        for (std::uint32_t i = 0; i < half; ++i) sums[i] += sums[i + half];
-    return sums[0];
-}
 
 // Every k_seen_step-th node is added to the same sum, in any vector width.
 // @param before  the flux of node n is at n - before; that of nodes below it at 0
@@ -381,13 +520,20 @@ HWY_AFTER_NAMESPACE();
 namespace gnomon::irradiance_cache {
 
 HWY_EXPORT(cut_tree_of);
+HWY_EXPORT(find_uneven_of);
 HWY_EXPORT(sum_seen_of);
 HWY_EXPORT(find_changed_of);
 
 void cut_tree(const LightTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
-              std::vector<NodeId>& nodes, std::vector<float>& weights, std::vector<NodeId>& stack)
+              std::vector<NodeId>& nodes, std::vector<float>& weights, CutScratch& scratch)
 {
-    HWY_DYNAMIC_DISPATCH(cut_tree_of)(tree, options, origin, normal, nodes, weights, stack);
+    HWY_DYNAMIC_DISPATCH(cut_tree_of)(tree, options, origin, normal, nodes, weights, scratch);
+}
+
+void find_uneven(const LightTree& tree, const glm::vec3& origin, const MarkedNodes& but, std::vector<NodeId>& found,
+                 std::vector<NodeId>& stack)
+{
+    HWY_DYNAMIC_DISPATCH(find_uneven_of)(tree, origin, but, found, stack);
 }
 
 SeenNode pack_seen(NodeId node, float weight)

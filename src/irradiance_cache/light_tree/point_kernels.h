@@ -27,11 +27,39 @@ struct CutOptions {
     float nearest = 0.6f;       // nodes with a radius above this fraction of their distance get a larger bound
 };
 
+/// The memory of cut_tree(), which may be used again and again.
+struct CutScratch {
+    std::vector<NodeId> stack;         // quads
+    std::vector<NodeId> node, below;   // nodes that are not refined, and the quads of their children
+    std::vector<float> flux, spread;   // of these nodes
+};
+
 /// Refines nodes from the tree's roots until the error bound of each is small enough [Walter et al. 2005, Section 4].
 /// @param nodes, weights  out: the cut, and the irradiance that a unit of flux of each node brings, visibility ignored
-/// @param stack           scratch
 void cut_tree(const LightTree& tree, const CutOptions& options, const glm::vec3& origin, const glm::vec3& normal,
-              std::vector<NodeId>& nodes, std::vector<float>& weights, std::vector<NodeId>& stack);
+              std::vector<NodeId>& nodes, std::vector<float>& weights, CutScratch& scratch);
+
+/// Marks of nodes.
+class MarkedNodes {
+ public:
+    void resize(std::size_t nodes)
+    {
+        if (marked_.size() < nodes) marked_.resize(nodes);
+    }
+    void mark(NodeId node) { marked_[node] = 1; }
+    void unmark(NodeId node) { marked_[node] = 0; }
+    bool has(NodeId node) const { return marked_[node] != 0; }
+
+ private:
+    std::vector<std::uint8_t> marked_;   // by node
+};
+
+/// Finds the lit patches whose surface is uneven, within PatchLight::k_uneven_reach of their radii around a point.
+/// @param but    nodes that are left out, with all below them
+/// @param found  out: leaves of the tree
+/// @param stack  scratch
+void find_uneven(const LightTree& tree, const glm::vec3& origin, const MarkedNodes& but, std::vector<NodeId>& found,
+                 std::vector<NodeId>& stack);
 
 /// A visible node and the irradiance that a unit of its flux brings, in one word: the number of the node above the
 /// leading bits of the float, which is within 0.4 % of the weight.

@@ -31,7 +31,7 @@ void CpuEvaluator::find_visible_nodes(const CacheFrame& frame, std::span<CachePo
             if (!point.exists || point.version == version || is_near(point.key)) continue;
             interruption_point();   // every point is either complete or untouched here
             cut_tree(tree, cut_options(frame.options, point), point.origin(), point.normal, scratch.cut,
-                     scratch.weights, scratch.stack);
+                     scratch.weights, scratch.cut_memory);
             visibility.add(frame, point, scratch.cut, scratch.weights);
         }
         interruption_point();

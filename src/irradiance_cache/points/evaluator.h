@@ -23,7 +23,8 @@ struct EvaluationScratch {
     NearOfPoints near;
     std::vector<CachePoint*> points;
     std::vector<CachePoint*> queued;   // for the device
-    std::vector<NodeId> cut, stack;
+    std::vector<NodeId> cut;
+    CutScratch cut_memory;
     std::vector<float> weights;
     std::vector<ChangedNode> changed;
 };

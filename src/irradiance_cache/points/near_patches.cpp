@@ -71,37 +71,20 @@ void NearPatches::add_missed(const LightTree& tree, const glm::vec3& origin, std
 {
     // Part of an uneven patch's exitance that its own light is assumed to be, by the spread of its normals.
     constexpr float k_own_light = 0.5f;
-    held_.clear();
-    for (const NodeId node : cut)
-        if (node >= tree.first_patch()) held_.push_back(node);
-    std::sort(held_.begin(), held_.end());
-    const std::span<const PatchLight::Reach> uneven = tree.patch_light()->uneven();
-    stack_.clear();
-    for (const std::uint32_t root : tree.patch_light()->tree().roots) stack_.push_back(tree.first_patch() / 4 + root);
-    while (!stack_.empty()) {
-        const NodeId number = stack_.back();
-        stack_.pop_back();
-        const VirtualLightQuad& quad = tree.quad(number);
-        for (NodeId lane = 0; lane < 4; ++lane) {
-            const NodeId node = 4 * number + lane;
-            const PatchLight::Reach& reaches = uneven[node - tree.first_patch()];
-            const glm::vec3 off = reaches.centre - origin;
-            if (!(reaches.radius > 0 && glm::dot(off, off) < reaches.radius * reaches.radius)) continue;
-            if (!(quad.flux[lane] > 0) || std::ranges::binary_search(held_, node)) continue;
-            const NodeId below = tree.children(node);
-            if (below != scene::none) {
-                stack_.push_back(below);
-                continue;
-            }
-            const float distance = glm::length(glm::vec3(quad.x[lane], quad.y[lane], quad.z[lane]) - origin);
-            if (!(quad.radius[lane] > k_width * distance)) continue;
-            const glm::vec3 normal(quad.nx[lane], quad.ny[lane], quad.nz[lane]);
-            const float spread = 1 - glm::dot(normal, normal);
-            const float light = k_own_light * spread * quad.flux[lane] / std::max(quad.area[lane], k_tiny);
-            nodes_.push_back(node);
-            near += light, all += light;
-            reach = std::max(reach, distance + quad.radius[lane]);
-        }
+    held_.resize(tree.size());
+    for (const NodeId node : cut) held_.mark(node);
+    find_uneven(tree, origin, held_, uneven_, stack_);
+    for (const NodeId node : cut) held_.unmark(node);
+    for (const NodeId node : uneven_) {
+        const VirtualLightQuad& quad = tree.quad(node / 4);
+        const std::size_t lane = node % 4;
+        const float distance = glm::length(glm::vec3(quad.x[lane], quad.y[lane], quad.z[lane]) - origin);
+        const glm::vec3 normal(quad.nx[lane], quad.ny[lane], quad.nz[lane]);
+        const float spread = 1 - glm::dot(normal, normal);
+        const float light = k_own_light * spread * quad.flux[lane] / std::max(quad.area[lane], k_tiny);
+        nodes_.push_back(node);
+        near += light, all += light;
+        reach = std::max(reach, distance + quad.radius[lane]);
     }
 }
 

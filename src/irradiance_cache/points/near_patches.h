@@ -86,7 +86,8 @@ class NearPatches {
     std::vector<NodeId> nodes_;       // near patches of all points
     std::vector<std::size_t> ends_;   // by point: where its near patches end
     std::vector<Met> met_;
-    std::vector<NodeId> held_, stack_;   // of one point: nodes of its cut over patches; quads
+    MarkedNodes held_;                     // of one point: nodes of its cut over patches
+    std::vector<NodeId> uneven_, stack_;   // likewise
 };
 
 }   // namespace gnomon::irradiance_cache

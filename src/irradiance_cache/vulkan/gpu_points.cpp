@@ -207,13 +207,14 @@ void GpuPoints::cut(std::span<const CutRequest> points, const CutOptions& option
     const std::span<const shared::GpuCut> made = lengths.as<shared::GpuCut>();
     cuts.node.reserve(total);
     cuts.weight.reserve(total);
-    std::vector<NodeId> node, stack;
+    std::vector<NodeId> node;
+    CutScratch scratch;
     std::vector<float> weight;
     for (std::size_t p = 0; p < points.size(); ++p) {
         if (made[p].count > GNOMON_CUT_ROOM) {
             CutOptions own = options;
             own.error = points[p].error, own.estimate = points[p].estimate;
-            cut_tree(*tree_, own, points[p].origin, points[p].normal, node, weight, stack);
+            cut_tree(*tree_, own, points[p].origin, points[p].normal, node, weight, scratch);
             cuts.node.insert(cuts.node.end(), node.begin(), node.end());
             cuts.weight.insert(cuts.weight.end(), weight.begin(), weight.end());
             ++long_cuts_;
