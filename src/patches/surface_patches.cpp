@@ -28,7 +28,20 @@ constexpr double k_fewer = 0.7;                   // patches aimed at, until the
 constexpr float k_most_albedo = 0.98f;
 constexpr std::size_t k_tries = 12;   // places that a point of a crossed part is tested against
 constexpr float k_shrink = 0.98f;     // corners of a part, towards its middle
+// Directions that are added to the free ones of each place, so that what is closed on all sides still has a weight.
+constexpr float k_least_open = 0.2f;
 constexpr std::size_t k_cells_at_once = 64, k_units_at_once = 4096, k_patches_at_once = 256;
+
+// The weight of a place among those of its patch, by the number of its free directions: the cube of the free part.
+// Light that leaves a patch comes from the places that are open; those between leaves or in joints, which see little of
+// the scene and are seen by little of it, do not dilute it.
+float weight_of_openness(std::uint8_t openness)
+{
+    constexpr std::size_t k_directions = std::tuple_size_v<decltype(ray::directions_above({}))>;
+    const float open =
+        (static_cast<float>(openness) + k_least_open) / (static_cast<float>(k_directions) + k_least_open);
+    return open * open * open;
+}
 
 }   // namespace
 
@@ -456,26 +469,27 @@ std::uint32_t SurfacePatches::split_by_openness(std::uint32_t groups, Made& made
     return count;
 }
 
-// Keeps some places of a group, at equal steps of the area that they represent.
+// Keeps some places of a group, at equal steps of what they represent, and divides the patch's area among them.
 void SurfacePatches::keep_places(std::span<const Part> parts, std::span<const Side> sides, std::uint32_t group,
-                                 Made& made) const
+                                 float patch_area, Made& made) const
 {
     std::size_t count = 0;
     double all = 0, sum = 0;
     for (std::size_t k = 0; k < made.chosen.size(); ++k)
         if (made.group[k] == group) ++count, all += static_cast<double>(made.represents[k]);
-    const double step = all / static_cast<double>(options_.kept);
+    const double step = all / static_cast<double>(options_.kept), scale = static_cast<double>(patch_area) / all;
     double next = 0.5 * step;
     for (std::size_t k = 0; k < made.chosen.size(); ++k) {
         if (made.group[k] != group) continue;
         const Side& side = sides[made.chosen[k]];
         const Part& of = parts[side.part()];
-        float area = made.represents[k];
+        auto represents = static_cast<double>(made.represents[k]);
         if (count > options_.kept) {
-            sum += static_cast<double>(area);
+            sum += represents;
             if (sum <= next) continue;
-            for (area = 0; next < sum; next += step) area += static_cast<float>(step);
+            for (represents = 0; next < sum; next += step) represents += step;
         }
+        const auto area = static_cast<float>(scale * represents);
         made.places.push_back({above(parts, side, 0), side.normal(of), area, side.part()});
     }
 }
@@ -504,6 +518,7 @@ void SurfacePatches::make_cell(const ray::RayScene& rays, std::span<const Part> 
         made.target[s] = best;
         made.represents[best] += part(s).area;
     }
+    for (std::size_t k = 0; k < count; ++k) made.represents[k] *= weight_of_openness(made.openness[k]);
 
     // Measure the patches.
     const auto cell = static_cast<PatchId>(made.patches.size());
@@ -532,7 +547,7 @@ void SurfacePatches::make_cell(const ray::RayScene& rays, std::span<const Part> 
             most_open = made.openness[k], nearest = distance;
             patch.sample = above(parts, sides[made.chosen[k]], 0);
         }
-        keep_places(parts, sides, g, made);
+        keep_places(parts, sides, g, patch.area, made);
         patch.places = static_cast<std::uint32_t>(made.places.size()) - patch.first;
         made.patches.push_back(patch);
     }

@@ -7,7 +7,8 @@
 // represent each cell, and those that see each other just above the surface and are about as open form a patch: a wall
 // that crosses a floor separates the floor's patches, the floor below a box is no part of the floor around it, and
 // joints are no part of the tiles between them. So a patch is either in the light or out of it, light does not leak
-// through walls, and surfaces that cannot be seen do not dilute the light of those that can.
+// through walls, and surfaces that cannot be seen do not dilute the light of those that can. For the same reason the
+// places of a patch represent its surface in proportion to how open they are.
 //
 // Patches depend on the static scene alone: neither on the lights, nor on the view or the time.
 //
@@ -53,7 +54,7 @@ struct PatchOptions {
 struct PatchPlace {
     glm::vec3 position{0};   // just above the surface
     glm::vec3 normal{0};     // unit, geometric
-    float area = 0;          // of the surface that it represents
+    float area = 0;          // of the surface that it represents, by how open it is
     std::uint32_t part = 0;
 };
 
@@ -107,7 +108,8 @@ class SurfacePatches {
     void find_openness(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
                        Made& made) const;
     static std::uint32_t split_by_openness(std::uint32_t groups, Made& made);
-    void keep_places(std::span<const Part> parts, std::span<const Side> sides, std::uint32_t group, Made& made) const;
+    void keep_places(std::span<const Part> parts, std::span<const Side> sides, std::uint32_t group, float patch_area,
+                     Made& made) const;
     void make_cell(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,
                    Made& made) const;
     std::vector<Made> make_cells(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides,

@@ -5,8 +5,10 @@
 #include <cmath>
 
 #include "base/bits.h"
+#include "irradiance_cache/near_field/near_light.h"
 #include "patches/patch_bounces.h"
 #include "patches/patch_emission.h"
+#include "patches/patch_rays.h"
 #include "scene_helpers.h"
 #include "world.h"
 
@@ -294,6 +296,83 @@ TEST(Patches, AnOpenFloorGetsAllOfTheSky)
     for (const glm::vec3& irradiance : links.surroundings)
         for (int c = 0; c < 3; ++c)
             EXPECT_NEAR(irradiance[c], static_cast<float>(k_pi) * world.scene->background.zenith[c], 1e-4f);
+}
+
+// A cube of leaves, two wide, under an even sky of radiance 1.
+scene::Scene leaves()
+{
+    constexpr std::uint32_t k_leaves = 12000;
+    constexpr float k_size = 0.12f;
+    scene::Scene scene;
+    scene.materials.resize(1);
+    scene.materials[0].double_sided = true;
+    std::uint32_t state = 1;
+    const auto number = [&] {   // -1 to 1
+        state = state * 1664525u + 1013904223u;
+        return static_cast<float>(state >> 8) * 0x1p-23f - 1;
+    };
+    scene::Mesh mesh;
+    for (std::uint32_t i = 0; i < k_leaves; ++i) {
+        const glm::vec3 at(number(), number(), number());
+        for (int corner = 0; corner < 3; ++corner)
+            mesh.positions.push_back(at + k_size * glm::vec3(number(), number(), number()));
+        mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+    }
+    mesh.parts = {{0, 0, k_leaves}};
+    scene.meshes.push_back(std::move(mesh));
+    test::add_object(scene, 0);
+    scene.background.kind = scene::Background::Kind::sky;
+    scene.background.zenith = scene.background.horizon = scene.background.ground = glm::vec3(1);
+    return scene;
+}
+
+// What patches of leaves get of the sky is what the leaves get that are seen from outside, by rays from there: dark
+// ones between them do not dilute it.
+TEST(Patches, HaveTheLightOfWhatIsSeenOfThem)
+{
+    constexpr int k_side = 24;
+    constexpr std::size_t k_rays = 64;
+    World world(done(leaves()));
+    patches::PatchOptions options;
+    options.patches = 64;
+    const SurfacePatches patches(world.state, world.rays, options, world.tasks);
+    const PatchLinks links = patches::link_patches(patches, world.state, world.rays,
+                                                   patches::Surroundings(world.scene->background), world.tasks);
+    // Look from all six sides.
+    patches::PatchRays seen;
+    for (int facing = 0; facing < 6; ++facing)
+        for (int i = 0; i < k_side * k_side; ++i) {
+            const float a = 1.8f * (static_cast<float>(i % k_side) + 0.5f) / k_side - 0.9f,
+                        b = 1.8f * (static_cast<float>(i / k_side) + 0.5f) / k_side - 0.9f;
+            const float sign = facing % 2 == 0 ? 1.0f : -1.0f;
+            glm::vec3 from(0), to(0);
+            from[facing / 2] = 3 * sign, from[(facing / 2 + 1) % 3] = a, from[(facing / 2 + 2) % 3] = b;
+            to[facing / 2] = -sign;
+            seen.push(from, to);
+        }
+    seen.trace(*world.scene, world.rays);
+    // Hold what each ray meets against rays of its own to the sky.
+    const std::vector<glm::vec3> directions = irradiance_cache::cosine_directions(k_rays);
+    double got = 0, truth = 0;
+    std::size_t met = 0;
+    for (std::size_t r = 0; r < seen.size(); ++r) {
+        if (seen.leaves(r)) continue;
+        const PatchId patch = seen.patch(patches, world.rays, r);
+        if (patch == k_no_patch) continue;
+        const patches::PatchRays::End end = seen.end(world.rays, r);
+        glm::vec3 t, b;
+        make_basis(end.normal, t, b);
+        patches::PatchRays own;
+        for (const glm::vec3& d : directions)
+            own.push(end.position + 1e-5f * end.normal, d.x * t + d.y * b + d.z * end.normal);
+        own.trace(*world.scene, world.rays);
+        for (std::size_t k = 0; k < k_rays; ++k) truth += own.leaves(k) ? k_pi / static_cast<double>(k_rays) : 0;
+        got += static_cast<double>(links.surroundings[patch].x);
+        ++met;
+    }
+    RecordProperty("ratio", std::to_string(got / truth));
+    EXPECT_GT(met, 2000u);
+    EXPECT_NEAR(got / truth, 1, 0.05);   // .88 if places count by their area alone
 }
 
 // A room whose ceiling emits, with a ball that sways below it.

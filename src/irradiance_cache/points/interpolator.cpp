@@ -22,9 +22,10 @@ constexpr float k_least_weight = 0.02f, k_full_weight = 0.15f;
 // A surface point that lies deeper than this fraction of the spacing below the plane of a cache point takes its light
 // only if it sees it: what lies in a joint or between tiles has not the light of what is above.
 constexpr float k_deep = 0.06f;
-// On triangles smaller than the spacing, a level contributes less if one of its cache points is farther from the
-// surface point's plane than the first fraction of the spacing, and nothing from the second on: between roof tiles or
-// in folds of a curtain, light changes as often as the surface rises and falls, and what is seen are the crests.
+// On triangles lower than the spacing, a level contributes less if one of its cache points is farther from the surface
+// point's plane than the first fraction of the spacing, and nothing from the second on: between roof tiles, in folds of
+// a curtain or along the mouldings of a cornice, light changes as often as the surface rises and falls, and what is
+// seen are the crests.
 constexpr float k_even = 0.02f, k_uneven = 0.04f;
 // Fraction of a point's irradiance that may come from a level that is slightly too coarse.
 constexpr float k_least_rest = 0.02f;
@@ -118,8 +119,10 @@ float Interpolator::unevenness(const CacheFrame& frame, const CollectedCell& cel
     if (!(uneven > 0)) return 0;
     glm::vec3 corner[3];
     frame.rays->geometry(point.object).corners(point.triangle, corner);
-    const float side = std::sqrt(glm::length(glm::cross(corner[1] - corner[0], corner[2] - corner[0])));
-    return side < spacing ? uneven * frame.fade_in(spacing / side - 1) : 0;
+    const float longest = std::max(
+        {glm::length(corner[1] - corner[0]), glm::length(corner[2] - corner[1]), glm::length(corner[0] - corner[2])});
+    const float low = glm::length(glm::cross(corner[1] - corner[0], corner[2] - corner[0])) / longest;
+    return low < spacing ? uneven * frame.fade_in(spacing / low - 1) : 0;
 }
 
 // Interpolates again where a surface point lies deep below cache points of its cell: without those that geometry hides
