@@ -136,7 +136,7 @@ void IrradianceCache::find_dynamic_groups()
     }
 }
 
-Sphere IrradianceCache::sphere_around(scene::ObjectId object) const
+MovingSpheres::Object IrradianceCache::enclosed(scene::ObjectId object) const
 {
     const Box3& box = casters_.box(object);
     const glm::mat4 m = frame_.state->object_matrix(object);
@@ -144,22 +144,23 @@ Sphere IrradianceCache::sphere_around(scene::ObjectId object) const
     for (int corner = 0; corner < 8; ++corner)
         world.add(transform_point(m, glm::vec3(corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
                                                corner & 4 ? box.high.z : box.low.z)));
-    return {world.centre(), 0.5f * world.diagonal() * k_grown};
+    const Sphere sphere{world.centre(), 0.5f * world.diagonal() * k_grown};
+    return {sphere, MovingBox::around(box, m, sphere)};
 }
 
-// Encloses the visible dynamic objects in spheres.
+// Encloses the visible dynamic objects in spheres and boxes.
 void IrradianceCache::enclose_dynamic_objects()
 {
     const scene::SceneState& state = *frame_.state;
     dynamic_bounds_.clear();
     sphere_of_.assign(state.scene().objects.size(), scene::none);
     for (const std::vector<scene::ObjectId>& group : dynamic_groups_) {
-        std::vector<Sphere> spheres;
+        std::vector<MovingSpheres::Object> objects;
         for (const scene::ObjectId o : group)
-            if (state.object_visible(o) && !casters_.box(o).empty()) spheres.push_back(sphere_around(o));
-        if (group.size() == 1 && !spheres.empty())
+            if (state.object_visible(o) && !casters_.box(o).empty()) objects.push_back(enclosed(o));
+        if (group.size() == 1 && !objects.empty())
             sphere_of_[group.front()] = static_cast<std::uint32_t>(dynamic_bounds_.nodes().size());
-        dynamic_bounds_.add(std::move(spheres));
+        dynamic_bounds_.add(std::move(objects));
     }
 }
 
@@ -176,7 +177,7 @@ void IrradianceCache::follow_dynamic_objects(bool first)
     });
     if (!only_moved || !alone) return enclose_dynamic_objects();
     for (const scene::ObjectId o : changes.moved)
-        if (takes_light(o)) dynamic_bounds_.move(sphere_of_[o], sphere_around(o));
+        if (takes_light(o)) dynamic_bounds_.move(sphere_of_[o], enclosed(o));
 }
 
 bool IrradianceCache::shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance,

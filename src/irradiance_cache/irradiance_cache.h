@@ -90,7 +90,7 @@ class IrradianceCache {
  private:
     void find_dynamic_groups();
     bool takes_light(scene::ObjectId object) const;
-    Sphere sphere_around(scene::ObjectId object) const;
+    MovingSpheres::Object enclosed(scene::ObjectId object) const;
     void enclose_dynamic_objects();
     void follow_dynamic_objects(bool first);
     void drop_static_results();

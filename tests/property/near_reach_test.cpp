@@ -2,6 +2,7 @@
 // What the near field remembers of its short rays: fewer are cast while dynamic objects move, for the same answer.
 #include <gtest/gtest.h>
 
+#include <glm/gtc/matrix_transform.hpp>
 #include <random>
 
 #include "api/scene_access.h"
@@ -46,10 +47,10 @@ class Corner {
                              Transform::scaling(6, 1, 4));
         for (int i = 0; i < k_plates; ++i) {
             const Sphere s = sphere(i);
-            builder.instance(square, white,
-                             Transform::translation(s.centre.x, s.centre.y, s.centre.z) *
-                                 Transform::scaling(1.3f * s.radius, 1, 1.3f * s.radius),
-                             {.mobility = Mobility::may_move});
+            builder.instance(
+                square, white,
+                Transform::translation(s.centre.x, s.centre.y, s.centre.z) * Transform::scaling(side(s), 1, side(s)),
+                {.mobility = Mobility::may_move});
         }
         Light light{.color = {2, 2, 2}};
         light.type = LightType::directional;
@@ -63,8 +64,17 @@ class Corner {
         camera.transform = Transform::look_at({4, 3, 4}, {-1, 1, -1});
         builder.camera(camera);
         scene = api::scene_of(builder.finish());
-        for (int i = 0; i < k_plates; ++i) spheres.add({sphere(i)});
+        for (int i = 0; i < k_plates; ++i) {
+            const Sphere s = sphere(i);
+            Box3 own;
+            own.add({-0.5f, 0, -0.5f}), own.add({0.5f, 0, 0.5f});
+            const glm::mat4 to_world = glm::scale(glm::translate(glm::mat4(1), s.centre), {side(s), 1, side(s)});
+            spheres.add(std::vector<Sphere>{s});
+            boxes.add(std::vector<irradiance_cache::MovingSpheres::Object>{
+                {s, irradiance_cache::MovingBox::around(own, to_world, s)}});
+        }
     }
+    static float side(const Sphere& s) { return 1.3f * s.radius; }
     // Around a plate.
     static Sphere sphere(int i)
     {
@@ -87,7 +97,7 @@ class Corner {
         return all;
     }
     std::shared_ptr<const scene::Scene> scene;
-    irradiance_cache::MovingSpheres spheres;
+    irradiance_cache::MovingSpheres spheres, boxes;   // around the plates; the latter with boxes
 };
 
 TEST(NearReach, TheSameChangeToTheBitWithAFractionOfTheRays)
@@ -121,8 +131,18 @@ TEST(NearReach, TheSameChangeToTheBitWithAFractionOfTheRays)
     EXPECT_EQ(differ, 0u);
     EXPECT_GT(changed, 300u);
     EXPECT_LT(scratch.cast, of_all / 4);
+    const std::uint64_t of_spheres = scratch.cast;
     std::printf("%zu of %zu receivers change; %.3f of the rays\n", changed / 3, receivers.size(),
-                static_cast<double>(scratch.cast) / static_cast<double>(of_all));
+                static_cast<double>(of_spheres) / static_cast<double>(of_all));
+
+    // Boxes leave out most of the rest.
+    std::vector<NearAnswer> boxed(receivers.size());
+    scratch.cast = 0;
+    near.find_change(state, rays, corner.boxes, receivers.data(), receivers.size(), scratch, boxed.data());
+    for (std::size_t k = 0; k < receivers.size(); ++k)
+        for (int colour = 0; colour < 3; ++colour) EXPECT_EQ(boxed[k].light[colour], all[k].light[colour]) << k;
+    EXPECT_LT(scratch.cast, of_spheres * 3 / 4);
+    std::printf("with boxes, %.2f of these\n", static_cast<double>(scratch.cast) / static_cast<double>(of_spheres));
 }
 
 // A surface that bytes cannot place is never left out.

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -217,6 +218,45 @@ TEST(PointKernels, FindsNodesThatDynamicObjectsMayChange)
     }
     EXPECT_GT(found, 20u);
     EXPECT_LT(found, tested);
+}
+
+// Spheres are met by all ways here, so that boxes decide: as meets_way() does, to the bit.
+TEST(PointKernels, HoldsNodesAgainstBoxes)
+{
+    const World world;
+    std::mt19937 random(4);
+    const auto number = [&] { return static_cast<float>(random() % 2000) / 1000 - 1; };
+    std::size_t crossed = 0, tested = 0;
+    for (int round = 0; round < 50; ++round) {
+        const glm::vec3 origin(number(), number(), number());
+        const auto count = static_cast<std::uint32_t>(random() % 100);
+        const std::vector<SeenNode> seen = world.some(count, static_cast<unsigned>(round));
+        MovingSpheres dynamic_objects;
+        std::vector<MovingBox> each;
+        for (int object = 0; object < 3; ++object) {
+            glm::mat4 to_world(1);
+            for (int axis = 0; axis < 3; ++axis) to_world[axis] = glm::vec4(number(), number(), number(), 0);
+            to_world[3] = glm::vec4(number(), number(), number(), 1);
+            Box3 own;
+            own.add(glm::vec3(-0.8f, -0.2f, 0)), own.add(glm::vec3(0.8f, 0.2f, 0));
+            each.push_back(MovingBox::around(own, to_world, {glm::vec3(to_world[3]), 1}));
+            dynamic_objects.add(std::vector<MovingSpheres::Object>{{{glm::vec3(0), 100}, each.back()}});
+        }
+        std::vector<ChangedNode> changed;
+        find_changed(world.tree, seen.data(), count, origin, dynamic_objects, changed);
+        std::size_t next = 0;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            const glm::vec3 to = world.tree.samples().at(seen_node(seen[k])) - origin;
+            const bool expected =
+                std::ranges::any_of(each, [&](const MovingBox& box) { return meets_way(box, origin, to, 1); });
+            const bool listed = next < changed.size() && changed[next].place == k;
+            EXPECT_EQ(listed && changed[next].crossed, expected) << round << " " << k;
+            if (listed) ++next;
+            ++tested, crossed += expected;
+        }
+    }
+    EXPECT_GT(crossed, tested / 50);
+    EXPECT_LT(crossed, tested / 4);
 }
 
 TEST(LightTree, DynamicLightsFollowTheBall)

@@ -491,11 +491,30 @@ void find_changed_of(const LightTree& tree, const SeenNode* seen, std::uint32_t 
                 const auto off = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
                 return hn::Le(off, hn::Set(d, sphere.radius * sphere.radius));
             };
+            // As meets_way() of a box.
+            const auto meets_box = [&](const MovingBox& box) HWY_ATTR {
+                const glm::vec3 from = origin - box.centre;
+                const float more = MovingBox::margin(from);
+                auto begin = zero, end = one;
+                for (int i = 0; i < 3; ++i) {
+                    const glm::vec3 n = box.normal[i];
+                    const float away = glm::dot(n, from), half = box.half[i] + more;
+                    auto speed = hn::Add(hn::Add(hn::Mul(hn::Set(d, n.x), x), hn::Mul(hn::Set(d, n.y), y)),
+                                         hn::Mul(hn::Set(d, n.z), z));
+                    const auto slowest = hn::Set(d, MovingBox::k_slowest);
+                    speed = hn::IfThenElse(hn::Lt(hn::Abs(speed), slowest), slowest, speed);
+                    const auto a = hn::Div(hn::Set(d, -half - away), speed), b = hn::Div(hn::Set(d, half - away), speed);
+                    begin = hn::Max(begin, hn::Min(a, b)), end = hn::Min(end, hn::Max(a, b));
+                }
+                return hn::Le(begin, end);
+            };
             const std::vector<MovingSpheres::Node>& nodes = dynamic_bounds.nodes();
             for (std::uint32_t m = 0; m < nodes.size();) {
                 const auto near = meets(nodes[m].sphere);
-                if (nodes[m].single) crossed = hn::Or(crossed, near);
-                m = hn::AllFalse(d, near) ? nodes[m].next : m + 1;
+                const bool none = hn::AllFalse(d, near);
+                if (nodes[m].single && !none)
+                    crossed = hn::Or(crossed, hn::And(near, meets_box(dynamic_bounds.boxes()[m])));
+                m = none ? nodes[m].next : m + 1;
             }
             found = hn::Or(found, crossed);
         }

@@ -248,10 +248,10 @@ void NearLight::doubt(const MovingSpheres& spheres, Scratch& scratch)
         const glm::vec3 point = scratch.rays.origin(i), short_way = scratch.rays.direction(i);
         const glm::vec3 surface = scratch.shadow_rays.origin(s), way = scratch.shadow_rays.direction(s);
         const float distance = scratch.hits.t[i], far = scratch.shadow_rays.tfar[s];
-        const auto may_occlude = [&](const Sphere& sphere) {
-            return meets_way(sphere, surface, way, far) || meets_way(sphere, point, short_way, distance);
+        const auto may_occlude = [&](const auto& around) {
+            return meets_way(around, surface, way, far) || meets_way(around, point, short_way, distance);
         };
-        if (!spheres.any(may_occlude, [](const Sphere&) { return true; })) continue;
+        if (!spheres.any(may_occlude, [&](const Sphere&, const MovingBox& box) { return may_occlude(box); })) continue;
         scratch.doubted.push_back(s);
         scratch.to_lights.push(surface, 0, way, far);
         scratch.to_points.push(point, 0, short_way, distance);

@@ -26,7 +26,9 @@ bool dynamic_may_occlude_near(const CacheFrame& frame, const CachePoint& point)
         const LightWay way = way_to(scene.lights[l], at);
         if (frame.dynamic_bounds.any(
                 [&](const Sphere& sphere) { return meets_near_field(sphere, point.origin(), way, radius); },
-                [](const Sphere&) { return true; }))
+                [&](const Sphere&, const MovingBox& box) {
+                    return meets_near_field(box, point.origin(), way, radius);
+                }))
             return true;
     }
     return false;

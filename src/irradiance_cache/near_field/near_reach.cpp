@@ -11,6 +11,12 @@ namespace {
 // How far from where a byte says the rays to the lights may start, in steps.
 constexpr float k_inaccuracy = 2;
 
+// A straight way: `far` times as long as `to`.
+struct Way {
+    glm::vec3 from, to;
+    float far;
+};
+
 }   // namespace
 
 std::uint8_t ReachSteps::encode(const glm::vec3& point, const glm::vec3& direction, float t,
@@ -42,6 +48,12 @@ bool meets_near_field(const Sphere& sphere, const glm::vec3& point, const LightW
     return meets_way({sphere.centre, sphere.radius + radius}, point, way, light.endless ? k_infinity : 1.0f);
 }
 
+bool meets_near_field(const MovingBox& box, const glm::vec3& point, const LightWay& light, float radius)
+{
+    const glm::vec3 way = light.endless ? light.at : light.at - point;
+    return meets_way(box, point, way, light.endless ? k_infinity : 1.0f, radius);
+}
+
 NearDoubts::NearDoubts(float radius, std::span<const glm::vec3> directions) : steps_(radius), directions_(directions) {}
 
 void NearDoubts::find(const NearReceiver& receiver, const glm::mat3& axes, std::span<const LightWay> lights,
@@ -62,35 +74,51 @@ void NearDoubts::find(const NearReceiver& receiver, const glm::mat3& axes, std::
         farthest = std::max(farthest, far), all_known = all_known && known;
     }
     if (number_.empty()) return;
-    // Find the spheres that may come between some of them and the receiver or a light.
+    // Find the objects that may come between some of them and the receiver or a light.
     const float margin = k_inaccuracy * steps_.step();
+    const auto meets_way_to = [&](const auto& around, const LightWay& light) {
+        return meets_near_field(around, receiver.origin, light, farthest + margin);
+    };
+    const auto meets = [&](const auto& around) {
+        return std::ranges::any_of(lights, [&](const LightWay& light) { return meets_way_to(around, light); });
+    };
     met_.clear();
-    spheres.any(
-        [&](const Sphere& sphere) {
-            return std::ranges::any_of(lights, [&](const LightWay& light) {
-                return meets_near_field(sphere, receiver.origin, light, farthest + margin);
-            });
-        },
-        [&](const Sphere& sphere) {
-            met_.push_back(sphere);
-            return false;
-        });
+    spheres.any(meets, [&](const Sphere& sphere, const MovingBox& box) {
+        if (meets(box)) met_.push_back({sphere, box});
+        return false;
+    });
     if (met_.empty() && all_known) return;
     // Find which of them each may.
-    const std::size_t count = number_.size();
-    for (const Sphere& sphere : met_) {
+    for (const auto& [sphere, box] : met_) {
         const Sphere grown{sphere.centre - receiver.origin, sphere.radius + margin};
-        for (std::size_t k = 0; k < count; ++k) doubt_[k] |= meets_way(grown, glm::vec3(0), {x_[k], y_[k], z_[k]}, 1);
-        for (const LightWay& light : lights) {
-            const glm::vec3 at = light.endless ? light.at : light.at - receiver.origin;
+        MovingBox moved = box;
+        moved.centre -= receiver.origin;
+        const auto doubt_ways = [&](const auto& way_of) {
+            const std::size_t count = number_.size();
+            // Spheres meet few of them, and are held against all side by side.
+            near_.resize(count);
             for (std::size_t k = 0; k < count; ++k) {
-                const glm::vec3 surface(x_[k], y_[k], z_[k]);
-                doubt_[k] |= light.endless ? meets_way(grown, surface, at, k_infinity)
-                                           : meets_way(grown, surface, at - surface, 1);
+                const Way way = way_of(k);
+                near_[k] = meets_way(grown, way.from, way.to, way.far);
             }
+            for (std::size_t k = 0; k < count; ++k) {
+                if (!near_[k] || doubt_[k]) continue;
+                const Way way = way_of(k);
+                doubt_[k] = meets_way(moved, way.from, way.to, way.far, margin);
+            }
+        };
+        if (meets_way(moved, glm::vec3(0), glm::vec3(0), 1, farthest + margin))
+            doubt_ways([&](std::size_t k) { return Way{glm::vec3(0), {x_[k], y_[k], z_[k]}, 1}; });
+        for (const LightWay& light : lights) {
+            if (!meets_way_to(sphere, light) || !meets_way_to(box, light)) continue;
+            const glm::vec3 at = light.endless ? light.at : light.at - receiver.origin;
+            doubt_ways([&](std::size_t k) {
+                const glm::vec3 surface(x_[k], y_[k], z_[k]);
+                return light.endless ? Way{surface, at, k_infinity} : Way{surface, at - surface, 1};
+            });
         }
     }
-    for (std::size_t k = 0; k < count; ++k)
+    for (std::size_t k = 0; k < number_.size(); ++k)
         if (doubt_[k]) doubted.push_back(number_[k]);
 }
 

@@ -63,15 +63,16 @@ class NearDoubts {
  private:
     ReachSteps steps_;
     std::span<const glm::vec3> directions_;
-    std::vector<Sphere> met_;
+    std::vector<MovingSpheres::Object> met_;
     // The lit surfaces of a receiver: their directions, where they are relative to it, and whether one is doubted.
     std::vector<std::uint32_t> number_;
     std::vector<float> x_, y_, z_;
-    std::vector<std::int32_t> doubt_;
+    std::vector<std::int32_t> doubt_, near_;   // near_: a sphere meets its way
 };
 
-/// Whether a sphere, grown by `radius`, meets the near field around the way from a point to a light.
+/// Whether a sphere or a box, grown by `radius`, meets the near field around the way from a point to a light.
 bool meets_near_field(const Sphere& sphere, const glm::vec3& point, const LightWay& light, float radius);
+bool meets_near_field(const MovingBox& box, const glm::vec3& point, const LightWay& light, float radius);
 
 /// The way to a light, from wherever.
 LightWay way_to(const scene::Light& light, const scene::LightState& at);

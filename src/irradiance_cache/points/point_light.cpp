@@ -335,6 +335,7 @@ void PresentLight::correct_sky(const CacheFrame& frame, CachePoint& point)
     for (const DividedDirection& direction : point.divided_sky) divided.set(direction.direction);
     SkyMask hidden;
     SkyMask near;
+    boxes_.clear();
     frame.dynamic_bounds.any(
         [&](const Sphere& sphere) {
             const glm::vec3 at = sphere.centre - point.origin();
@@ -342,18 +343,26 @@ void PresentLight::correct_sky(const CacheFrame& frame, CachePoint& point)
             if (!point.divided_sky.empty()) near |= sky.towards(at, sphere.radius, true) & divided;
             return near.any();
         },
-        [&](const Sphere&) {
+        [&](const Sphere&, const MovingBox& box) {
             hidden |= near;
+            boxes_.push_back(&box);
             return false;
         });
-    // Collect the light of these directions, and of the visible parts of those that are divided.
+    // Collect the light of these directions, and of the visible parts of those that are divided, where boxes are in
+    // the way.
     hidden_.clear();
-    (hidden & point.sky).for_each([&](std::size_t i) { hidden_.push_back({sky.direction(i), sky.light(i)}); });
+    const auto hide = [&](const SkyLight::Part& part) {
+        const auto meets = [&](const MovingBox* box) {
+            return meets_way(*box, point.origin(), part.direction, k_infinity);
+        };
+        if (std::ranges::any_of(boxes_, meets)) hidden_.push_back(part);
+    };
+    (hidden & point.sky).for_each([&](std::size_t i) { hide({sky.direction(i), sky.light(i)}); });
     for (const DividedDirection& direction : point.divided_sky) {
         if (!hidden.test(direction.direction)) continue;
         const std::span<const SkyLight::Part> parts = sky.parts(direction.direction);
         for (std::size_t k = 0; k < parts.size(); ++k)
-            if ((direction.seen >> k) & 1) hidden_.push_back(parts[k]);
+            if ((direction.seen >> k) & 1) hide(parts[k]);
     }
     // Static surfaces thin some of it.
     if (frame.rays->thins_light()) {

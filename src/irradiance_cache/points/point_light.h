@@ -110,7 +110,8 @@ class PresentLight {
     std::vector<Contribution> contributions_, bounces_;
     std::vector<std::uint8_t> occluded_;
     std::vector<glm::vec3> passes_;        // by ray, where anything thins light
-    std::vector<SkyLight::Part> hidden_;   // the sky's light that a dynamic object may hide
+    std::vector<SkyLight::Part> hidden_;     // the sky's light that a dynamic object may hide
+    std::vector<const MovingBox*> boxes_;    // of those objects
     ray::RayQueue hidden_rays_;
 };
 
