@@ -147,7 +147,8 @@ void fill_whitted(const scene::Material& material, const TextureFrame& frame, Su
     }
 }
 
-void fill_metallic_roughness(const scene::Material& material, const TextureFrame& frame, SurfacePoint& s)
+// @param lit  what the surface's light needs beside its reflectance is filled in, too
+void fill_metallic_roughness(const scene::Material& material, const TextureFrame& frame, bool lit, SurfacePoint& s)
 {
     glm::vec3 base = material.base_color;
     float alpha = material.alpha;
@@ -171,7 +172,7 @@ void fill_metallic_roughness(const scene::Material& material, const TextureFrame
         metallic *= texel.z;
     }
     s.emissive = material.emissive;
-    if (s.emissive != glm::vec3(0) && frame.has(material.emissive_texture))
+    if (lit && s.emissive != glm::vec3(0) && frame.has(material.emissive_texture))
         s.emissive *= glm::vec3(frame.look_up(material.emissive_texture));
     if (material.alpha_mode == scene::AlphaMode::blend) {
         s.coverage = std::clamp(alpha, 0.0f, 1.0f);
@@ -202,10 +203,17 @@ void fill_metallic_roughness(const scene::Material& material, const TextureFrame
     s.ior = material.ior;
     s.roughness = std::clamp(roughness, 0.0f, 1.0f);
     s.ambient = s.diffuse;
-    if (frame.has(material.occlusion_texture)) {
+    if (lit && frame.has(material.occlusion_texture)) {
         const float occlusion = frame.look_up(material.occlusion_texture).x;
         s.ambient *= 1 + material.occlusion_strength * (occlusion - 1);
     }
+}
+
+// The outer side of a triangle. A mirroring transform reverses the winding, but does not swap inside and outside.
+// @param normal  by its winding
+glm::vec3 outward_of(const ray::ObjectGeometry& geometry, const glm::vec3& normal)
+{
+    return geometry.mirrored ? -normal : normal;
 }
 
 // Bends a shading normal that looks away from the viewer back to the horizon.
@@ -302,6 +310,33 @@ void fill_layers(const scene::Material& material, const TextureFrame& frame, con
 
 }   // namespace
 
+TriangleReflectance::TriangleReflectance(const scene::Scene& scene, const ray::ObjectGeometry& geometry,
+                                         std::uint32_t triangle)
+    : scene_(scene),
+      geometry_(geometry),
+      material_(scene.materials[geometry.mesh->part_of(triangle).material]),
+      index_(geometry.mesh->triangles[triangle])
+{
+    geometry.corners(triangle, corners_);
+    const glm::vec3 cross = glm::cross(corners_[1] - corners_[0], corners_[2] - corners_[0]);
+    double_area_ = std::sqrt(glm::dot(cross, cross));
+    outward_ = outward_of(geometry, double_area_ > 0 ? cross / double_area_ : cross);
+}
+
+void TriangleReflectance::find(float u, float v, float distance, const glm::vec3& direction, const RayCone& cone,
+                               SurfacePoint& s) const
+{
+    const glm::vec3 normal = glm::dot(outward_, direction) < 0 ? outward_ : -outward_;
+    TextureFrame frame{scene_, geometry_, *geometry_.mesh, index_, u, v};
+    if (is_textured(material_))
+        find_footprint(corners_, double_area_, normal, direction, cone.width + distance * cone.spread, frame);
+    s.model = material_.model;
+    if (material_.model == scene::ShadingModel::whitted)
+        fill_whitted(material_, frame, s);
+    else
+        fill_metallic_roughness(material_, frame, false, s);
+}
+
 void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, std::uint32_t triangle, float u,
                 float v, float distance, const glm::vec3& direction, const RayCone& cone, SurfacePoint& s)
 {
@@ -317,11 +352,10 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
     s.offset = ray::origin_lift(p);
     s.to_viewer = -direction;
 
-    // Find the side that was hit. A mirroring transform reverses the winding, but does not swap inside and outside.
+    // Find the side that was hit.
     const glm::vec3 cross = glm::cross(p[1] - p[0], p[2] - p[0]);
     const float double_area = std::sqrt(glm::dot(cross, cross));
-    glm::vec3 outward = double_area > 0 ? cross / double_area : -direction;
-    if (geometry.mirrored) outward = -outward;
+    const glm::vec3 outward = outward_of(geometry, double_area > 0 ? cross / double_area : -direction);
     s.front = glm::dot(outward, direction) < 0;
     s.winding_front = s.front != geometry.mirrored;
     s.geometric_normal = s.front ? outward : -outward;
@@ -352,7 +386,7 @@ void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, 
     if (material.model == scene::ShadingModel::whitted)
         fill_whitted(material, frame, s);
     else
-        fill_metallic_roughness(material, frame, s);
+        fill_metallic_roughness(material, frame, true, s);
     if (material.layers && material.model == scene::ShadingModel::metallic_roughness) {
         glm::vec3 coat_normal = smooth_normal;
         if (frame.has(material.layers->clearcoat_normal_texture))

@@ -70,6 +70,25 @@ struct SurfacePoint {
 void surface_at(const scene::Scene& scene, const ray::ObjectGeometry& geometry, std::uint32_t triangle, float u,
                 float v, float distance, const glm::vec3& direction, const RayCone& cone, SurfacePoint& s);
 
+/// The reflectance of a triangle at several places, as surface_at() finds it there, without the rest of the surface.
+/// Its material has no layers.
+class TriangleReflectance {
+ public:
+    TriangleReflectance(const scene::Scene& scene, const ray::ObjectGeometry& geometry, std::uint32_t triangle);
+    const glm::vec3 (&corners() const)[3] { return corners_; }
+    /// @param s  `model`, `diffuse` and `specular` are filled in; what else changes is undefined
+    void find(float u, float v, float distance, const glm::vec3& direction, const RayCone& cone, SurfacePoint& s) const;
+
+ private:
+    const scene::Scene& scene_;
+    const ray::ObjectGeometry& geometry_;
+    const scene::Material& material_;
+    glm::uvec3 index_;
+    glm::vec3 corners_[3];
+    float double_area_;
+    glm::vec3 outward_;
+};
+
 /// Where rays to directions between the horizon of the triangle and the smooth one start (ray/smooth_surface.h). Other
 /// rays start at the surface, at SurfacePoint::offset.
 /// @param s  the surface at the hit

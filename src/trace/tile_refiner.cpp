@@ -29,6 +29,14 @@ glm::vec3 vector_at(const ImageF& image, int x, int y)
     return {c[0], c[1], c[2]};
 }
 
+// The highlights and mirror images of a Phong surface do not follow its texture, which is that of its diffuse part.
+void set_reflectance(const shading::SurfacePoint& s, shading::CentreSample& sample)
+{
+    const bool apart = s.model == scene::ShadingModel::whitted && s.diffuse != glm::vec3(0);
+    sample.reflectance = apart ? s.diffuse : s.diffuse + s.specular;
+    sample.mirror = apart ? s.specular : glm::vec3(0);
+}
+
 }   // namespace
 
 shading::CentreSample TileTracer::centre_sample(const shading::SurfacePoint& s, scene::ObjectId object,
@@ -36,12 +44,7 @@ shading::CentreSample TileTracer::centre_sample(const shading::SurfacePoint& s, 
 {
     shading::CentreSample sample;
     sample.position = s.position, sample.normal = s.normal;
-    // The highlights and mirror images of a Phong surface do not follow its texture, which is that of its diffuse part.
-    sample.reflectance = s.diffuse;
-    if (s.model == scene::ShadingModel::whitted && s.diffuse != glm::vec3(0))
-        sample.mirror = s.specular;
-    else
-        sample.reflectance += s.specular;
+    set_reflectance(s, sample);
     sample.width = s.cone.width;
     sample.object = object;
     sample.material = scene_.meshes[scene_.objects[object].mesh].part_of(triangle).material;
@@ -143,9 +146,10 @@ void TileTracer::add_texture(const glm::ivec2& at, const Refinement& refinement)
     find_texture_light(at, light);
     single_values(at);
     refinement.sums.add(number, x, y, refinement.weights[0], share, single_values_.data());
+    const shading::TriangleReflectance triangle(scene_, rays_.geometry(centre.object), centre.triangle);
     for (int k = 0; k < samples; ++k) {
         shading::CentreSample sample = centre;
-        texture_sample(at, scene::refined_offset(k), sample);
+        texture_sample(triangle, at, scene::refined_offset(k), sample);
         light_texture(light, scene::refined_offset(k) - 0.5f, sample);
         refinement.sums.add(number, x, y, refinement.weights[static_cast<std::size_t>(k) + 1], share,
                             single_values_.data());
@@ -232,33 +236,30 @@ void TileTracer::light_texture(const TextureLight& light, const glm::vec2& offse
 }
 
 // What the surface of a pixel's centre shows elsewhere in the pixel, in the plane of its triangle.
-// @param sample  that of the centre; its position and its reflectance are replaced
-// @return  false: the plane is not seen there, or too far from the triangle
-bool TileTracer::texture_sample(const glm::ivec2& at, const glm::vec2& offset, shading::CentreSample& sample) const
+// @param sample  that of the centre; its position and its reflectance are replaced, unless the plane is not seen there,
+//                or too far from the triangle
+void TileTracer::texture_sample(const shading::TriangleReflectance& triangle, const glm::ivec2& at,
+                                const glm::vec2& offset, shading::CentreSample& sample) const
 {
     constexpr float k_beyond = 1;   // of the triangle, in its own sides
-    const ray::ObjectGeometry& geometry = rays_.geometry(sample.object);
-    glm::vec3 p[3], origin, direction;
+    const auto& p = triangle.corners();
+    glm::vec3 origin, direction;
     float tnear, tfar;
-    geometry.corners(sample.triangle, p);
     view_.ray(static_cast<float>(at.x) + offset.x, static_cast<float>(at.y) + offset.y, origin, direction, tnear, tfar);
 
     // Intersect the plane.
     const glm::vec3 a = p[1] - p[0], b = p[2] - p[0], normal = glm::cross(a, b), to = p[0] - origin;
     const float facing = glm::dot(normal, direction);
     const float t = glm::dot(normal, to) / facing;
-    if (!(t > 0 && t < k_infinity)) return false;
+    if (!(t > 0 && t < k_infinity)) return;
     const glm::vec3 turned = glm::cross(direction, to);
     const float u = -glm::dot(turned, b) / facing, v = glm::dot(turned, a) / facing;
-    if (!(std::min(u, v) > -k_beyond && u + v < 1 + k_beyond)) return false;
+    if (!(std::min(u, v) > -k_beyond && u + v < 1 + k_beyond)) return;
 
     shading::SurfacePoint s;
-    shading::surface_at(scene_, geometry, sample.triangle, u, v, t, direction, {view_.pixel_width, view_.pixel_spread},
-                        s);
-    const shading::CentreSample there = centre_sample(s, sample.object, sample.triangle);
+    triangle.find(u, v, t, direction, {view_.pixel_width, view_.pixel_spread}, s);
     sample.position = origin + t * direction;
-    sample.reflectance = there.reflectance, sample.mirror = there.mirror;
-    return true;
+    set_reflectance(s, sample);
 }
 
 // Lists the tile's selected pixels, in Morton order.

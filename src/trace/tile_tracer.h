@@ -117,7 +117,8 @@ class TileTracer {
     void find_texture_light(const glm::ivec2& at, TextureLight& light);
     void light_texture(const TextureLight& light, const glm::vec2& offset, const shading::CentreSample& sample);
     void scale_light(float* values, const glm::vec3& by) const;
-    bool texture_sample(const glm::ivec2& at, const glm::vec2& offset, shading::CentreSample& sample) const;
+    void texture_sample(const shading::TriangleReflectance& triangle, const glm::ivec2& at, const glm::vec2& offset,
+                        shading::CentreSample& sample) const;
     // What pixels around a sample know of its bounced light: none shows its surface, or they disagree, or it has
     // theirs.
     enum class Bounced { unknown, disagrees, taken };

@@ -183,6 +183,57 @@ glm::vec3 mapped_normal(float rotation, const glm::vec4& tangent, bool front, bo
     return s.normal;
 }
 
+// The same as the whole surface has, to the bit: on either side, of mirrored objects, with each model and its textures.
+TEST(Shading, ReflectanceOfATriangleIsThatOfItsSurfaces)
+{
+    Random random(6);
+    scene::Scene scene;
+    for (int i = 0; i < 3; ++i) {
+        Image8 noise(32, 32, 4);
+        for (std::uint8_t& value : noise.data) value = static_cast<std::uint8_t>(random.uniform() * 255);
+        scene.textures.emplace_back("noise", noise, i == 0, scene::Sampler());
+    }
+    scene::Material material;
+    material.base_color_texture.texture = 0;
+    material.base_color_texture.scale = {3, 2};
+    material.metallic_roughness_texture.texture = 1;
+    material.normal_texture.texture = 2;
+    material.emissive_texture.texture = 0, material.occlusion_texture.texture = 1;
+    material.emissive = glm::vec3(1);
+    material.metallic = 0.7f;
+    for (const auto model :
+         {scene::ShadingModel::whitted, scene::ShadingModel::metallic_roughness, scene::ShadingModel::unlit}) {
+        material.model = model;
+        scene.materials.push_back(material);
+    }
+    scene::Mesh mesh;
+    mesh.positions = {{-1, -1, 0.2f}, {1, -1, 0}, {1, 1, -0.3f}};
+    mesh.texcoords[0] = {{0, 1}, {1, 1}, {1, 0}};
+    mesh.triangles = {{0, 1, 2}, {0, 1, 2}, {0, 1, 2}};
+    mesh.parts = {{0, 0, 1}, {1, 1, 1}, {2, 2, 1}};
+    int colours = 0;
+    for (int i = 0; i < 300; ++i) {
+        ray::ObjectGeometry geometry;
+        geometry.mesh = &mesh;
+        geometry.positions = mesh.positions.data();
+        geometry.mirrored = i % 2 == 1;
+        const auto triangle = static_cast<std::uint32_t>(i % 3);
+        const TriangleReflectance reflectance(scene, geometry, triangle);
+        const float u = random.uniform(-0.2f, 1), v = random.uniform(-0.2f, 1), distance = random.uniform(0.1f, 5);
+        const glm::vec3 direction = glm::normalize(glm::vec3(random.uniform(-1, 1), random.uniform(-1, 1),
+                                                             random.uniform(0.1f, 1) * (i % 4 < 2 ? -1.0f : 1.0f)));
+        const RayCone cone{0.001f, random.uniform(0, 0.1f)};
+        SurfacePoint whole, alone;
+        surface_at(scene, geometry, triangle, u, v, distance, direction, cone, whole);
+        reflectance.find(u, v, distance, direction, cone, alone);
+        ASSERT_EQ(alone.model, whole.model) << i;
+        ASSERT_EQ(alone.diffuse, whole.diffuse) << i;
+        ASSERT_EQ(alone.specular, whole.specular) << i;
+        colours += whole.diffuse.x != whole.diffuse.y;
+    }
+    EXPECT_GT(colours, 150);
+}
+
 TEST(Shading, NormalMapsRotateWithTheirImageAndFlipOnBackFaces)
 {
     const float half_turn = static_cast<float>(k_pi);
