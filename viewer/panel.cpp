@@ -444,12 +444,18 @@ PanelEvents Panel::draw(ViewSettings& settings, Playback& playback, OverrideList
     keys();
     legend(settings.values().text("overlay"));
 
-    // Show the progress of loading at the bottom and the latest error or message at the top.
+    // Show the progress of loading, or of bounced light, at the bottom, and the latest error or message at the top.
     if (load.loading) {
         ImGui::SetNextWindowPos({middle_of_view(), ImGui::GetIO().DisplaySize.y - 20}, ImGuiCond_Always, {0.5f, 1});
         ImGui::Begin("##loading", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoDecoration);
         line(fmt::format("{}: {} {:.0f} %", load.file, load.stage, 100 * load.done));
         ImGui::ProgressBar(static_cast<float>(load.done), {ImGui::GetFontSize() * 24, 0}, "");
+        ImGui::End();
+    }
+    if (!load.loading && !load.preparing.empty()) {
+        ImGui::SetNextWindowPos({middle_of_view(), ImGui::GetIO().DisplaySize.y - 20}, ImGuiCond_Always, {0.5f, 1});
+        ImGui::Begin("##preparing", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoDecoration);
+        line(load.preparing);
         ImGui::End();
     }
     const std::string& error = load.error.empty() ? load.frame_error : load.error;

@@ -126,6 +126,13 @@ glm::vec3 pivot_of(const Picked& picked, const ViewImage& image)
     return glm::vec3(glm::inverse(world) * glm::dvec4(glm::dvec3(picked.position), 1));
 }
 
+// What the window says while bounced light is prepared.
+std::string preparing_text(const ProgressStep& step)
+{
+    const std::string what = "bounced light: " + std::string(step.stage);
+    return step.done > 0 ? what + " " + std::to_string(std::lround(100 * step.done)) + " %" : what;
+}
+
 ViewTimes times_of(const Frame& frame, double encoding)
 {
     const auto sum = [&](std::initializer_list<FrameTimes::Stage> stages) {
@@ -394,6 +401,15 @@ bool ViewSession::publish(std::shared_ptr<ViewImage> image, ViewRequest& request
     return true;
 }
 
+// Says how far bounced light is, where that is news.
+void ViewSession::note_preparing(const std::string& stage)
+{
+    const std::lock_guard lock(mutex_);
+    if (state_.preparing == stage) return;
+    state_.preparing = stage;
+    tell();
+}
+
 std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request,
                                                bool refines)
 {
@@ -409,6 +425,12 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
                           options.renderer == RenderMethod::trace;
     options.layers = enlarges;   // for normals
     options.ids = has_ids(options) && (enlarges || request.pick || (picked && picked->instance));
+    // Bounced light of a new scene takes seconds to prepare: leave it out at first.
+    const Prepared wanted{scene, options.indirect, options.bounces};
+    const bool bounces = options.renderer == RenderMethod::trace && options.indirect != Indirect::off;
+    const bool prepares = bounces && prepared_ != wanted && options.shadow_culling != ShadowCulling::paper;
+    const bool early = prepares && request.early && !refines;
+    if (early) options.indirect = Indirect::off, options.shadow_culling = ShadowCulling::off;
     renderer_.set_options(options);
     FrameInput input;
     input.time = request.time;
@@ -423,8 +445,21 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     const bool yields = request.interruptible || (refines && survives_interruption(request.options));
     auto image = std::make_shared<ViewImage>();
     Frame& frame = image->frame;
-    frame = renderer_.render(*scene, input,
-                             [&](const ProgressStep&) { return !leaving_ && !(yields && asked_ != request.number); });
+    const auto goes_on = [&](const ProgressStep& step) {
+        if (prepares && !early && request.early) note_preparing(preparing_text(step));
+        return !leaving_ && !(yields && asked_ != request.number);
+    };
+    try {
+        frame = renderer_.render(*scene, input, goes_on);
+    } catch (...) {
+        note_preparing("");
+        throw;
+    }
+    note_preparing("");
+    if (early)
+        frame.complete = false, image->early = true;
+    else if (bounces)
+        prepared_ = wanted;
     std::erase_if(held_, [&](const NodeId& node) { return contains(input.released_nodes, node); });
 
     // Encode it for the screen.

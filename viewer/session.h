@@ -57,6 +57,9 @@ struct ViewRequest {
     bool interruptible = false;
     /// Limit of the first image's rays of indirect light, if it is less than the session's.
     std::optional<std::uint64_t> rays;
+    /// Until the scene's bounced light is prepared, which may take seconds, images come without it, and the one with it
+    /// follows the last of them. A newer request interrupts the preparation, which then begins again.
+    bool early = false;
     int enlarge = 1;   // how many times as wide its images are, with sharp edges between surfaces (viewer/enlarge.h)
     std::uint64_t number = 0;   // given by ask()
 };
@@ -89,6 +92,7 @@ struct ViewImage {
     Camera camera;   // with which it was rendered
     Box3 bounds;     // of the scene
     ViewTimes times;
+    bool early = false;             // bounced light is being prepared
     std::uint64_t number = 0;       // counts up
     std::uint64_t request = 0;      // its request: the number that ask() returned
     std::optional<Picked> picked;   // result of the last `pick` in this scene
@@ -109,6 +113,7 @@ struct LoadState {
     std::uint64_t failed = 0;     // its request; 0: the last frame did not fail
     std::exception_ptr trouble;   // the last error
     std::uint64_t loads = 0;      // that succeeded
+    std::string preparing;        // how far bounced light is; empty: it is not being prepared
 };
 
 /// A scene as its file gives it, and what options make of it.
@@ -163,6 +168,7 @@ class ViewSession {
     Picked pick(const Scene& scene, const Frame& frame, const glm::vec2& place);
     std::optional<Picked> picked_before(const std::shared_ptr<const Scene>& scene) const;
     void fail(std::uint64_t request, const std::string& message);
+    void note_preparing(const std::string& stage);
     void tell() const;
 
     int threads_;
@@ -181,7 +187,14 @@ class ViewSession {
     // Of the render thread alone.
     Renderer renderer_;
     std::shared_ptr<const Scene> rendered_;   // the renderer's scene
-    std::vector<NodeId> held_;                // nodes whose transforms the renderer was given
+    struct Prepared {                         // what a frame with bounced light was rendered with
+        std::shared_ptr<const Scene> scene;
+        Indirect method = Indirect::off;
+        int bounces = 0;
+        friend bool operator==(const Prepared&, const Prepared&) = default;
+    };
+    Prepared prepared_;
+    std::vector<NodeId> held_;   // nodes whose transforms the renderer was given
     // The last file read, so that other lights or rates do not read it again.
     std::string loaded_file_;
     LoadOptions loaded_options_;   // strict, animation and variant

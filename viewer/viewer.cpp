@@ -65,14 +65,17 @@ void Viewer::Impl::frame(double seconds)
     take_scene();
     const bool new_image = take_image();
     handle_failed_frame(load);
-    if (!recorder.recording()) playback.advance(seconds);
+    // A clip begins when bounced light is prepared: another time would interrupt that, again and again.
+    const bool prepares = !image || image->scene != scene || image->early;
+    if (!recorder.recording() && !prepares) playback.advance(seconds);
 
     // Handle the input, compose image and panel, and request the next image.
     ImGui_ImplOpenGL3_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     if (input->feed()) pace.touch();
     if (load.loading || ImGui::GetIO().WantTextInput) pace.touch_once();
-    if (std::string news = fmt::format("{}|{}|{}|{}", load.loading, load.error, load.frame_error, panel.message);
+    if (std::string news =
+            fmt::format("{}|{}|{}|{}|{}", load.loading, load.error, load.frame_error, load.preparing, panel.message);
         news != shown_news) {
         shown_news = std::move(news);
         pace.touch();

@@ -131,6 +131,7 @@ void Viewer::Impl::ask()
         request.turn = 2 * k_pi * ((playback.frame - 1) / playback.fps / request.options.turntable_seconds);
     request.whole = whole;
     request.interruptible = sharper;
+    request.early = !whole;
     if (!whole && !sharper) request.rays = motion_size.rays();
     requested_divisor = whole ? 1 : sharper ? requested_divisor / 2 : motion_size.divisor();
     request.size = {std::max(size.width / requested_divisor, 16), std::max(size.height / requested_divisor, 16)};

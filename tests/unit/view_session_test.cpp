@@ -307,6 +307,65 @@ TEST(ViewSession, NewRequestInterruptsRefinement)
     EXPECT_TRUE(next->picked) << "the answer came with an image that nobody may have taken";
 }
 
+// Where bounced light is not prepared yet, an image without it comes first. Once it is, no image lacks it.
+TEST(ViewSession, TheFirstImagesDoNotWaitForBouncedLight)
+{
+    ViewSession session(1);
+    load(session);
+    ViewRequest request = at(0);
+    request.early = true;
+    const std::uint64_t number = session.ask(request);
+    std::shared_ptr<const ViewImage> first;
+    ASSERT_TRUE(comes([&] { return (first = session.image(0)) != nullptr; }));
+    EXPECT_TRUE(first->early);
+    EXPECT_FALSE(first->frame.complete);
+    EXPECT_EQ(first->frame.counters.indirect.rays, 0u);
+    ASSERT_TRUE(comes([&] { return !session.busy() && !session.refining(); }));
+    const auto last = session.image(0);
+    EXPECT_EQ(last->request, number);
+    EXPECT_FALSE(last->early);
+    EXPECT_TRUE(last->frame.complete);
+    EXPECT_GT(last->frame.counters.indirect.rays, 0u);
+    EXPECT_EQ(session.load_state().preparing, "");
+    ViewSession fresh(1);
+    load(fresh);
+    EXPECT_TRUE(same(last, finished(fresh, at(0)))) << "what came early leaves nothing behind";
+
+    // It is prepared now, until another number of bounces is asked for.
+    const std::uint64_t shown = last->number;
+    request.time = 0.8;
+    session.ask(request);
+    std::shared_ptr<const ViewImage> next;
+    ASSERT_TRUE(comes([&] { return (next = session.image(shown)) != nullptr; }));
+    EXPECT_FALSE(next->early);
+    ASSERT_TRUE(comes([&] { return !session.busy() && !session.refining(); }));
+    request.options.bounces = 1;
+    const std::uint64_t before = session.image(0)->number;
+    session.ask(request);
+    ASSERT_TRUE(comes([&] { return (next = session.image(before)) != nullptr; }));
+    EXPECT_EQ(next->number, before + 1);
+    EXPECT_TRUE(next->early);
+}
+
+// A newer request need not wait until bounced light is prepared.
+TEST(ViewSession, NewRequestInterruptsThePreparationOfBouncedLight)
+{
+    ViewSession session(1);
+    load(session, 0, "builtin:kinetic");
+    ViewRequest request = at(0);
+    request.early = true;
+    session.ask(request);
+    ASSERT_TRUE(comes([&] { return !session.load_state().preparing.empty(); }));
+    EXPECT_FALSE(session.busy()) << "there is an image";
+    const std::uint64_t shown = session.image(0)->number;
+    request.time = 0.1;
+    const std::uint64_t wanted = session.ask(request);
+    std::shared_ptr<const ViewImage> next;
+    ASSERT_TRUE(comes([&] { return (next = session.image(shown)) != nullptr; }));
+    EXPECT_EQ(next->request, wanted);
+    EXPECT_TRUE(next->early);
+}
+
 // The first image of a request in motion has little bounced light, and the one that it ends with has all. The session
 // says when there is something new.
 TEST(ViewSession, ImagesInMotionCastFewRays)
