@@ -75,7 +75,7 @@ void CpuEvaluator::sum(const CacheFrame& frame, std::span<CachePoint* const> poi
             if (frame.lights.any_patch_differs()) add_patch_difference(frame.lights, point);
             if (!frame.dynamic_bounds.empty() || frame.lights.any_differs()) correct(frame, point, scratch);
         }
-        scratch.present.finish({frame.rays}, scratch.counters);
+        scratch.present.finish(frame, {frame.rays}, scratch.counters);
         if (!frame.dynamic_bounds.empty()) scratch.near.correct(frame, scratch.points, scratch.counters);
         for (CachePoint* point : scratch.points) end_corrections(*point);
     }
@@ -113,7 +113,7 @@ void CpuEvaluator::correct(const CacheFrame& frame, CachePoint& point, Evaluatio
         if (now != glm::vec3(0)) scratch.present.add_if_unoccluded(frame, point, node, now, direction);
     }
     scratch.present.correct_sky(frame, point);
-    scratch.present.add_dynamic_lights(frame, point);
+    scratch.present.want_dynamic_lights(point);
 }
 
 }   // namespace gnomon::irradiance_cache

@@ -173,9 +173,9 @@ void DeviceEvaluator::sum(const CacheFrame& frame, std::span<CachePoint* const> 
             }
             if (!corrects) continue;
             own.present.correct_sky(frame, point);
-            own.present.add_dynamic_lights(frame, point);
+            own.present.want_dynamic_lights(point);
         }
-        own.present.finish(tester(frame), own.counters);
+        own.present.finish(frame, tester(frame), own.counters);
         if (!frame.dynamic_bounds.empty())
             own.near.correct(frame, std::span(changed).subspan(begin, end - begin), own.counters);
         for (std::size_t p = begin; p < end; ++p) end_corrections(*changed[p]);

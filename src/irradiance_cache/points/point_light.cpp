@@ -318,6 +318,7 @@ void PresentLight::clear()
     contributions_.clear();
     bounce_rays_.clear();
     bounces_.clear();
+    lit_.clear();
 }
 
 void PresentLight::add_if_unoccluded(const CacheFrame& frame, CachePoint& point, NodeId node, const glm::vec3& flux,
@@ -408,9 +409,11 @@ void PresentLight::add_dynamic_lights(const CacheFrame& frame, CachePoint& point
     }
 }
 
-void PresentLight::finish(const OcclusionTester& tester, CacheCounters& counters)
+void PresentLight::finish(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters)
 {
     add_arriving(tester, rays_, contributions_, ray::Against::dynamic_only, counters);
+    // How small a part is, all other light tells: not what is left of it while some is in doubt.
+    for (CachePoint* point : lit_) add_dynamic_lights(frame, *point);
     add_arriving(tester, bounce_rays_, bounces_, ray::Against::everything, counters);
 }
 

@@ -93,26 +93,29 @@ class PresentLight {
                            const glm::vec3& direction);
     /// Takes away the light of visible sky directions that a dynamic object may hide, and adds it if it does not.
     void correct_sky(const CacheFrame& frame, CachePoint& point);
-    /// Adds light that bounces off dynamic objects. Where it is a small part of the point's light, no ray is cast.
-    void add_dynamic_lights(const CacheFrame& frame, CachePoint& point);
-    /// Traces the rays, and adds what arrives.
-    void finish(const OcclusionTester& tester, CacheCounters& counters);
+    /// Lets finish() add light that bounces off dynamic objects.
+    void want_dynamic_lights(CachePoint& point) { lit_.push_back(&point); }
+    /// Traces the rays, and adds what arrives; then light that bounces off dynamic objects. Where that is a small part
+    /// of a point's light, no ray is cast.
+    void finish(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters);
 
  private:
     struct Contribution {   // light that arrives if nothing is in between
         CachePoint* point;
         glm::vec3 flux, direction;
     };
+    void add_dynamic_lights(const CacheFrame& frame, CachePoint& point);
     void add_arriving(const OcclusionTester& tester, const ray::RayQueue& rays,
                       const std::vector<Contribution>& contributions, ray::Against against, CacheCounters& counters);
 
     ray::RayQueue rays_, bounce_rays_;
     std::vector<Contribution> contributions_, bounces_;
     std::vector<std::uint8_t> occluded_;
-    std::vector<glm::vec3> passes_;        // by ray, where anything thins light
-    std::vector<SkyLight::Part> hidden_;     // the sky's light that a dynamic object may hide
-    std::vector<const MovingBox*> boxes_;    // of those objects
+    std::vector<glm::vec3> passes_;         // by ray, where anything thins light
+    std::vector<SkyLight::Part> hidden_;    // the sky's light that a dynamic object may hide
+    std::vector<const MovingBox*> boxes_;   // of those objects
     ray::RayQueue hidden_rays_;
+    std::vector<CachePoint*> lit_;   // by dynamic objects
 };
 
 /// After all corrections: light of which only rounding errors are left becomes 0, because a dark point is treated
