@@ -37,8 +37,9 @@ inline constexpr float k_grown = 1.0001f;   // factor on radii, against rounding
 /// A box around an object, whose sides need not be at right angles: what lies between three pairs of parallel planes.
 struct MovingBox {
     static constexpr float k_rounding = 1e-6f;   // of the distance to what is held against the box
+    static constexpr float k_slowest = 1e-30f;   // speed towards a plane that counts as one
     glm::vec3 centre{0};
-    glm::vec3 normal[3]{};                                 // of the planes, unit; 0: a pair that is everywhere
+    glm::vec3 normal[3]{};                               // of the planes, unit; 0: a pair that is everywhere
     float half[3]{k_infinity, k_infinity, k_infinity};   // of the distance between the planes of a pair
 
     /// @param own     box in the object's space
@@ -48,7 +49,6 @@ struct MovingBox {
     static float margin(const glm::vec3& at) { return k_rounding * (std::abs(at.x) + std::abs(at.y) + std::abs(at.z)); }
     /// A speed towards a plane by which distances can be divided.
     static float divisor(float speed) { return std::abs(speed) < k_slowest ? k_slowest : speed; }
-    static constexpr float k_slowest = 1e-30f;
 };
 
 /// Whether a box, grown on all sides, meets the way from a point: `far` times as long as `way`. Conservative.

@@ -503,7 +503,8 @@ void find_changed_of(const LightTree& tree, const SeenNode* seen, std::uint32_t 
                                          hn::Mul(hn::Set(d, n.z), z));
                     const auto slowest = hn::Set(d, MovingBox::k_slowest);
                     speed = hn::IfThenElse(hn::Lt(hn::Abs(speed), slowest), slowest, speed);
-                    const auto a = hn::Div(hn::Set(d, -half - away), speed), b = hn::Div(hn::Set(d, half - away), speed);
+                    const auto a = hn::Div(hn::Set(d, -half - away), speed),
+                               b = hn::Div(hn::Set(d, half - away), speed);
                     begin = hn::Max(begin, hn::Min(a, b)), end = hn::Min(end, hn::Max(a, b));
                 }
                 return hn::Le(begin, end);
