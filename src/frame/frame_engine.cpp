@@ -288,7 +288,7 @@ void FrameEngine::follow_emission()
 
 void FrameEngine::make_rays()
 {
-    rays_ = std::make_unique<ray::RayScene>(*state_, limit_, arithmetic_);
+    rays_ = std::make_unique<ray::RayScene>(*state_, limit_, arithmetic_, &tasks_);
     if (accelerator_ == Accelerator::kdtree) rays_->trace_on_kdtree(*state_);
 }
 

@@ -21,6 +21,10 @@
 #include "ray/queue.h"
 #include "scene/state.h"
 
+namespace gnomon {
+class Tasks;
+}
+
 namespace gnomon::ray {
 
 /// The objects that rays are tested against. `one_tree`: everything, in a single BVH without the split into static and
@@ -81,10 +85,11 @@ class RayScene {
     /// Builds from the present state: objects that are dynamic now become instances. Keeps a reference to the state's
     /// scene, not to the state.
     /// @param limit  on RaySceneStatistics::bytes
+    /// @param tasks  share the building of a large tree, and outlive this; null: the caller's thread builds it
     /// @throws MissingError      memory ran out, or the limit is exceeded
     /// @throws InterruptedError  the current work was interrupted (base/interruption.h)
     explicit RayScene(const scene::SceneState& state, const MemoryLimit& limit = MemoryLimit{},
-                      Arithmetic arithmetic = Arithmetic::portable);
+                      Arithmetic arithmetic = Arithmetic::portable, Tasks* tasks = nullptr);
     ~RayScene();
     RayScene(const RayScene&) = delete;
     RayScene& operator=(const RayScene&) = delete;

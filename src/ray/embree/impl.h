@@ -113,6 +113,7 @@ class Largest {
 struct RayScene::Impl {
     EmbreeDevice device;
     std::shared_ptr<const scene::Scene> scene;
+    Tasks* tasks = nullptr;   // share the building of a large tree; usually there
     int width = 8;
 
     // Static objects.

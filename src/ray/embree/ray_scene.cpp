@@ -28,9 +28,10 @@ RTCRay make_ray(const glm::vec3& origin, float tnear, const glm::vec3& direction
 
 }   // namespace
 
-RayScene::RayScene(const scene::SceneState& state, const MemoryLimit& limit, Arithmetic arithmetic)
+RayScene::RayScene(const scene::SceneState& state, const MemoryLimit& limit, Arithmetic arithmetic, Tasks* tasks)
     : impl_(std::make_unique<Impl>())
 {
+    impl_->tasks = tasks;
     impl_->portable = arithmetic == Arithmetic::portable;
     impl_->device.limit_memory(limit);
     const auto start = std::chrono::steady_clock::now();

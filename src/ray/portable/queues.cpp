@@ -36,7 +36,7 @@ unsigned load(RayPacket& packet, const RayQueue& rays, std::size_t begin, std::s
 
 void RayScene::Impl::commit_portable_still()
 {
-    portable_still.build(still_records);
+    portable_still.build(still_records, tasks);
     portable_still_scene.clear();
     portable_still_scene.add(portable_still);
     for (const Placed& placed : still_instances)

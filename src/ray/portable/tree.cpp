@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/interruption.h"
+#include "base/tasks.h"
 
 namespace gnomon::ray {
 
@@ -15,6 +16,8 @@ constexpr float k_triangle_cost = 0.3f;   // in units of the cost of a node
 constexpr std::size_t k_leaf_triangles = 8;
 constexpr int k_deepest_sorted = 24;   // nodes below that are halved, so that no tree is deeper than 24 + 10 nodes
 constexpr std::size_t k_interruption_step = 4096;
+constexpr std::size_t k_chunk = 16384;       // items that a thread sorts into bins
+constexpr std::size_t k_part_items = 8192;   // of a subtree that a thread builds, at most
 // Triangles with larger coordinates are no part of a tree, as in Embree.
 constexpr float k_largest_met = 1e18f;
 
@@ -53,50 +56,39 @@ Box3 box_of(const TreeNode& node)
     return result;
 }
 
-/// Builds the nodes over a list of items.
-/// Leaf: std::uint32_t(std::span<const TreeItem>), which stores the items and returns the leaf's code.
-template <class Leaf>
-class Builder {
+// Items of a node: a range of a list.
+struct Range {
+    std::size_t begin, end;
+    Box3 box;
+    bool final;   // splitting it does not pay
+    std::size_t size() const { return end - begin; }
+};
+
+/// Splits ranges of a list of items, and puts the items into order.
+class Splitter {
  public:
-    Builder(std::vector<TreeItem>& items, std::vector<TreeNode>& nodes, std::size_t most, float item_cost, Leaf leaf)
-        : items_(items), nodes_(nodes), most_(most), item_cost_(item_cost), leaf_(leaf)
+    /// @param most       items of a leaf, at most
+    /// @param item_cost  of testing an item, in units of the cost of a node
+    /// @param tasks      share the work of large ranges; null: none do. They do not change the result
+    Splitter(std::vector<TreeItem>& items, std::size_t most, float item_cost, Tasks* tasks = nullptr)
+        : items_(items), most_(most), item_cost_(item_cost), tasks_(tasks)
     {
     }
 
-    /// Makes the root, node 0. @pre there are items
-    Box3 build()
+    Range all() const
     {
-        nodes_.clear();
         Range all{0, items_.size(), {}, false};
         for (const TreeItem& item : items_) all.box.add(item.box);
-        nodes_.emplace_back();
-        if (all.size() <= most_)
-            put_leaf(0, 0, all), nodes_[0].count = 1;
-        else
-            fill(0, all, 0);
-        return all.box;
+        return all;
     }
+    std::span<const TreeItem> items_of(const Range& range) const { return {items_.data() + range.begin, range.size()}; }
+    bool fits_a_leaf(const Range& range) const { return range.size() <= most_; }
 
- private:
-    struct Range {
-        std::size_t begin, end;
-        Box3 box;
-        bool final;   // splitting it does not pay
-        std::size_t size() const { return end - begin; }
-    };
-
-    void put_leaf(std::uint32_t node, unsigned i, const Range& range)
-    {
-        const std::uint32_t code = leaf_(std::span<const TreeItem>(items_.data() + range.begin, range.size()));
-        put_box(nodes_[node], i, range.box);
-        nodes_[node].child[i] = code;
-    }
-
-    // Splits a range into up to eight by splitting the one with the largest box again and again.
-    void fill(std::uint32_t node, const Range& range, int depth)
+    /// Splits a range into up to eight by splitting the one with the largest box again and again. @return how many
+    unsigned divide(const Range& range, int depth, Range (&parts)[TreeNode::k_width])
     {
         if ((++made_ & (k_interruption_step - 1)) == 0) interruption_point();
-        Range parts[TreeNode::k_width] = {range};
+        parts[0] = range;
         unsigned count = 1;
         while (count < TreeNode::k_width) {
             unsigned which = TreeNode::k_width;
@@ -113,32 +105,76 @@ class Builder {
         // The largest first, because rays that look for any hit most likely find it there.
         std::stable_sort(parts, parts + count,
                          [](const Range& a, const Range& b) { return half_area(a.box) > half_area(b.box); });
-        nodes_[node].count = count;
-        for (unsigned i = 0; i < count; ++i) {
-            if (parts[i].final || parts[i].size() <= 1) {
-                put_leaf(node, i, parts[i]);
-                continue;
-            }
-            const auto child = static_cast<std::uint32_t>(nodes_.size());
-            nodes_.emplace_back();
-            put_box(nodes_[node], i, parts[i].box);
-            nodes_[node].child[i] = child;
-            fill(child, parts[i], depth + 1);
-        }
+        return count;
     }
 
+ private:
     struct Bin {
         Box3 box;
         std::size_t count = 0;
     };
+    using Bins = std::array<std::array<Bin, k_bins>, 3>;
+
+    // Calls body(from, to, chunk) for the chunks of a range, in parallel if it is large. @return the number of chunks
+    template <class Body>
+    std::size_t for_chunks(const Range& range, Body&& body)
+    {
+        const std::size_t chunks = tasks_ && range.size() >= 2 * k_chunk ? (range.size() + k_chunk - 1) / k_chunk : 1;
+        if (chunks == 1) {
+            body(range.begin, range.end, 0);
+        } else {
+            tasks_->for_each(chunks, [&](std::size_t chunk, int) {
+                const std::size_t from = range.begin + chunk * k_chunk;
+                body(from, std::min(from + k_chunk, range.end), chunk);
+            });
+        }
+        return chunks;
+    }
+    std::size_t most_chunks(const Range& range) const { return range.size() / k_chunk + 1; }
+
+    Box3 bounds_of_centres(const Range& range)
+    {
+        std::vector<Box3> of(most_chunks(range));
+        const std::size_t chunks = for_chunks(range, [&](std::size_t from, std::size_t to, std::size_t chunk) {
+            for (std::size_t i = from; i < to; ++i) of[chunk].add(items_[i].box.centre());
+        });
+        for (std::size_t i = 1; i < chunks; ++i) of[0].add(of[i]);
+        return of[0];
+    }
+
+    // Fills bins_.
+    void fill_bins(const Range& range, const glm::vec3& low, const glm::vec3& scale)
+    {
+        const auto fill = [&](std::size_t from, std::size_t to, Bins& into) {
+            for (auto& bins : into) bins.fill({});
+            for (std::size_t i = from; i < to; ++i) {
+                const TreeItem& item = items_[i];
+                for (int axis = 0; axis < 3; ++axis) {
+                    Bin& bin = into[static_cast<std::size_t>(axis)][bin_of(item, axis, low, scale)];
+                    bin.box.add(item.box);
+                    ++bin.count;
+                }
+            }
+        };
+        std::vector<Bins> further(most_chunks(range) - 1);
+        const std::size_t chunks = for_chunks(range, [&](std::size_t from, std::size_t to, std::size_t chunk) {
+            fill(from, to, chunk == 0 ? bins_ : further[chunk - 1]);
+        });
+        // The order of a union does not matter.
+        for (std::size_t chunk = 1; chunk < chunks; ++chunk)
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                for (std::size_t i = 0; i < k_bins; ++i) {
+                    bins_[axis][i].box.add(further[chunk - 1][axis][i].box);
+                    bins_[axis][i].count += further[chunk - 1][axis][i].count;
+                }
+    }
 
     // @return false if the range is to be a leaf
     bool split(const Range& range, int depth, Range& left, Range& right)
     {
         const std::size_t n = range.size();
         if (n <= 1) return false;
-        Box3 centres;
-        for (std::size_t i = range.begin; i < range.end; ++i) centres.add(items_[i].box.centre());
+        const Box3 centres = bounds_of_centres(range);
         float best = k_infinity;
         int best_axis = -1, best_bin = 0;
         glm::vec3 scale(0);   // 0: the axis is not split
@@ -147,15 +183,7 @@ class Builder {
             if (extent > 0 && std::isfinite(k_bins / extent)) scale[axis] = k_bins / extent;
         }
         if (depth < k_deepest_sorted) {
-            for (auto& bins : bins_) bins.fill({});
-            for (std::size_t i = range.begin; i < range.end; ++i) {
-                const TreeItem& item = items_[i];
-                for (int axis = 0; axis < 3; ++axis) {
-                    Bin& bin = bins_[static_cast<std::size_t>(axis)][bin_of(item, axis, centres.low, scale)];
-                    bin.box.add(item.box);
-                    ++bin.count;
-                }
-            }
+            fill_bins(range, centres.low, scale);
             for (int axis = 0; axis < 3; ++axis) {
                 if (!(scale[axis] > 0)) continue;
                 const auto& bins = bins_[static_cast<std::size_t>(axis)];
@@ -203,12 +231,95 @@ class Builder {
     }
 
     std::vector<TreeItem>& items_;
-    std::vector<TreeNode>& nodes_;
     std::size_t most_;
     float item_cost_;
-    Leaf leaf_;
+    Tasks* tasks_;
     std::size_t made_ = 0;
-    std::array<std::array<Bin, k_bins>, 3> bins_;
+    Bins bins_;
+};
+
+/// Builds the nodes over a range of a list of items.
+/// Leaf: std::uint32_t(std::span<const TreeItem>), which stores the items and returns the leaf's code.
+template <class Leaf>
+class Builder {
+ public:
+    Builder(Splitter splitter, std::vector<TreeNode>& nodes, Leaf leaf)
+        : splitter_(splitter), nodes_(nodes), leaf_(leaf)
+    {
+    }
+
+    /// Appends the nodes of a range, its root first. @pre the range is not empty
+    void build(const Range& range, int depth)
+    {
+        const auto root = add_node();
+        if (splitter_.fits_a_leaf(range))
+            put_leaf(root, 0, range), nodes_[root].count = 1;
+        else
+            fill(root, range, depth);
+    }
+    /// Appends the nodes of all items down to ranges of at most `most` items, and calls rest(node, child, range, depth)
+    /// for those. @pre there are more
+    template <class Rest>
+    void build_top(const Range& range, std::size_t most, Rest&& rest)
+    {
+        fill_top(add_node(), range, 0, most, rest);
+    }
+
+ private:
+    std::uint32_t add_node()
+    {
+        nodes_.emplace_back();
+        return static_cast<std::uint32_t>(nodes_.size() - 1);
+    }
+
+    void put_leaf(std::uint32_t node, unsigned i, const Range& range)
+    {
+        const std::uint32_t code = leaf_(splitter_.items_of(range));
+        put_box(nodes_[node], i, range.box);
+        nodes_[node].child[i] = code;
+    }
+
+    // Adds a node below another one.
+    std::uint32_t add_child(std::uint32_t node, unsigned i, const Range& range)
+    {
+        const std::uint32_t child = add_node();
+        put_box(nodes_[node], i, range.box);
+        nodes_[node].child[i] = child;
+        return child;
+    }
+
+    void fill(std::uint32_t node, const Range& range, int depth)
+    {
+        Range parts[TreeNode::k_width];
+        const unsigned count = nodes_[node].count = splitter_.divide(range, depth, parts);
+        for (unsigned i = 0; i < count; ++i) {
+            if (parts[i].final || parts[i].size() <= 1)
+                put_leaf(node, i, parts[i]);
+            else
+                fill(add_child(node, i, parts[i]), parts[i], depth + 1);
+        }
+    }
+
+    template <class Rest>
+    void fill_top(std::uint32_t node, const Range& range, int depth, std::size_t most, Rest& rest)
+    {
+        Range parts[TreeNode::k_width];
+        const unsigned count = nodes_[node].count = splitter_.divide(range, depth, parts);
+        for (unsigned i = 0; i < count; ++i) {
+            if (parts[i].final || parts[i].size() <= 1) {
+                put_leaf(node, i, parts[i]);
+            } else if (parts[i].size() <= most) {
+                put_box(nodes_[node], i, parts[i].box);
+                rest(node, i, parts[i], depth + 1);
+            } else {
+                fill_top(add_child(node, i, parts[i]), parts[i], depth + 1, most, rest);
+            }
+        }
+    }
+
+    Splitter splitter_;
+    std::vector<TreeNode>& nodes_;
+    Leaf leaf_;
 };
 
 // The box of one triangle, with the margin; empty if it cannot be met.
@@ -256,35 +367,106 @@ void TriangleTree::fill(TriangleBlock& block, unsigned lane, std::uint32_t geome
         block.judged_any[lane] |= TriangleBlock::k_by_distance;
 }
 
-void TriangleTree::build(const std::deque<GeometryRecord>& records)
+namespace {
+
+// The nodes over a range of items, and what their leaves hold, before its triangles are stored.
+struct TreePart {
+    Range range;
+    int depth = 0;
+    std::uint32_t node = 0;   // above its root, in the part above, and the child of it that the root is
+    unsigned child = 0;
+    std::vector<TreeNode> nodes;
+    std::vector<std::span<const TreeItem>> leaves;
+    std::uint32_t blocks = 0;   // of all leaves
+
+    auto leaf()
+    {
+        return [this](std::span<const TreeItem> items) {
+            const auto first = blocks, count = static_cast<std::uint32_t>((items.size() + 3) / 4);
+            blocks += count;
+            leaves.push_back(items);
+            return TreeNode::leaf(first, count);
+        };
+    }
+};
+
+template <class Body>
+void for_each(Tasks* tasks, std::size_t count, Body&& body)
+{
+    if (tasks && count > 1)
+        tasks->for_each(count, [&](std::size_t i, int) { body(i); });
+    else
+        for (std::size_t i = 0; i < count; ++i) body(i);
+}
+
+}   // namespace
+
+void TriangleTree::build(const std::deque<GeometryRecord>& records, Tasks* tasks)
 {
     records_ = &records;
-    nodes_.clear(), blocks_.clear(), box_ = {};
-    std::vector<TreeItem> items;
+    nodes_.clear(), blocks_.reset(), block_count_ = 0, box_ = {};
+
+    // Number all triangles, and find their boxes.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> places;   // by item id: geometry and triangle
-    for (std::uint32_t g = 0; g < records.size(); ++g) {
-        if (!records[g].attached) continue;
-        for (std::uint32_t t = 0; t < records[g].triangles; ++t) {
-            const Box3 box = box_of(records[g], t);
-            if (box.empty()) continue;
-            items.push_back({box, static_cast<std::uint32_t>(places.size())});
-            places.emplace_back(g, t);
-        }
-    }
+    for (std::uint32_t g = 0; g < records.size(); ++g)
+        for (std::uint32_t t = 0; records[g].attached && t < records[g].triangles; ++t) places.emplace_back(g, t);
+    std::vector<TreeItem> items(places.size());
+    for_each(tasks, (items.size() + k_chunk - 1) / k_chunk, [&](std::size_t chunk) {
+        const std::size_t past = std::min((chunk + 1) * k_chunk, items.size());
+        for (std::size_t i = chunk * k_chunk; i < past; ++i)
+            items[i] = {box_of(records[places[i].first], places[i].second), static_cast<std::uint32_t>(i)};
+    });
+    std::erase_if(items, [](const TreeItem& item) { return item.box.empty(); });
     if (items.empty()) return;
-    blocks_.reserve(items.size() / 3);
-    const auto leaf = [&](std::span<const TreeItem> range) {
-        const auto first = static_cast<std::uint32_t>(blocks_.size());
-        for (std::size_t i = 0; i < range.size(); ++i) {
-            if (i % 4 == 0) blocks_.push_back(TriangleBlock{});
-            const auto& [g, t] = places[range[i].id];
-            fill(blocks_.back(), static_cast<unsigned>(i % 4), g, t);
+
+    // Build the top of the tree, then what lies below, each part by itself.
+    const Splitter splitter(items, k_leaf_triangles, k_triangle_cost);
+    std::vector<TreePart> parts(1);
+    parts[0].range = splitter.all();
+    box_ = parts[0].range.box;
+    const bool large = items.size() > k_part_items;
+    if (large) {
+        TreePart top;
+        Builder(Splitter(items, k_leaf_triangles, k_triangle_cost, tasks), top.nodes, top.leaf())
+            .build_top(parts[0].range, k_part_items,
+                       [&](std::uint32_t node, unsigned child, const Range& range, int depth) {
+                           parts.push_back({range, depth, node, child, {}, {}, 0});
+                       });
+        parts[0] = std::move(top);
+    }
+    for_each(tasks, parts.size(), [&](std::size_t i) {
+        if (i > 0 || !large) Builder(splitter, parts[i].nodes, parts[i].leaf()).build(parts[i].range, parts[i].depth);
+    });
+
+    // Put the parts together, and store their triangles.
+    std::vector<std::uint32_t> first_node, first_block;
+    std::uint32_t nodes = 0, blocks = 0;
+    for (const TreePart& part : parts) {
+        first_node.push_back(nodes), first_block.push_back(blocks);
+        nodes += static_cast<std::uint32_t>(part.nodes.size()), blocks += part.blocks;
+    }
+    nodes_.resize(nodes);
+    nodes_.shrink_to_fit();
+    blocks_ = std::make_unique_for_overwrite<TriangleBlock[]>(blocks);
+    block_count_ = blocks;
+    for_each(tasks, parts.size(), [&](std::size_t i) {
+        TreePart& part = parts[i];
+        TreeNode* node = nodes_.data() + first_node[i];
+        for (TreeNode& own : part.nodes) {
+            for (unsigned c = 0; c < own.count; ++c)
+                own.child[c] += TreeNode::is_leaf(own.child[c]) ? first_block[i] : first_node[i];
+            *node++ = own;
         }
-        return TreeNode::leaf(first, static_cast<std::uint32_t>(blocks_.size()) - first);
-    };
-    Builder builder(items, nodes_, k_leaf_triangles, k_triangle_cost, leaf);
-    box_ = builder.build();
-    nodes_.shrink_to_fit(), blocks_.shrink_to_fit();
+        TriangleBlock* block = blocks_.get() + first_block[i];
+        for (const std::span<const TreeItem> leaf : part.leaves)
+            for (std::size_t item = 0; item < leaf.size(); ++item) {
+                const auto lane = static_cast<unsigned>(item % 4);
+                if (lane == 0) *block++ = TriangleBlock{};
+                const auto& [g, t] = places[leaf[item].id];
+                fill(block[-1], lane, g, t);
+            }
+    });
+    for (std::size_t i = 1; i < parts.size(); ++i) nodes_[parts[i].node].child[parts[i].child] = first_node[i];
 }
 
 void TriangleTree::refit()
@@ -318,7 +500,7 @@ void TriangleTree::refit()
 
 std::size_t TriangleTree::bytes() const
 {
-    return nodes_.capacity() * sizeof(TreeNode) + blocks_.capacity() * sizeof(TriangleBlock);
+    return nodes_.capacity() * sizeof(TreeNode) + block_count_ * sizeof(TriangleBlock);
 }
 
 void SceneTree::clear()
@@ -372,8 +554,10 @@ void SceneTree::build()
     std::vector<TreeItem> items;
     for (std::uint32_t i = 0; i < instances_.size(); ++i) items.push_back({instances_[i].box, i});
     const auto leaf = [](std::span<const TreeItem> range) { return TreeNode::leaf(range.front().id, 1); };
-    Builder builder(items, nodes_, 1, 1.0f, leaf);
-    box_ = builder.build();
+    const Splitter splitter(items, 1, 1.0f);
+    const Range all = splitter.all();
+    Builder(splitter, nodes_, leaf).build(all, 0);
+    box_ = all.box;
 }
 
 std::size_t SceneTree::bytes() const

@@ -3,8 +3,8 @@
 // Bounding volume hierarchies with eight children per node, for the portable ray tracer (kernels.h).
 //
 // The build is a binned surface area heuristic [Wald 2007, 'On fast Construction of SAH-based Bounding Volume
-// Hierarchies'] in scalar code on the caller's thread, so that a tree is a function of its triangles alone: the same on
-// every processor.
+// Hierarchies'] in scalar code. Threads share the binning of large nodes, and build subtrees of a fixed size each, so
+// that a tree is a function of its triangles alone: the same on every processor and for any number of threads.
 //
 // Boxes are larger than what they hold by k_box_margin of their largest coordinate. Together with the same fraction of
 // a ray's origin, this is more than the rounding of the tests of boxes and triangles, so that what rays hit does not
@@ -13,10 +13,15 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "ray/embree/solid.h"
+
+namespace gnomon {
+class Tasks;
+}
 
 namespace gnomon::ray {
 
@@ -68,14 +73,15 @@ struct TreeItem {
 class TriangleTree {
  public:
     /// Builds over the geometries that are attached. Keeps a reference to the records and their vertices.
+    /// @param tasks  share the work; null: the caller's thread alone
     /// @throws InterruptedError  the current work was interrupted
-    void build(const std::deque<GeometryRecord>& records);
+    void build(const std::deque<GeometryRecord>& records, Tasks* tasks = nullptr);
     /// Follows vertices that moved: the tree keeps its structure, and its boxes are computed again.
     void refit();
 
     bool empty() const { return nodes_.empty(); }
     const TreeNode* nodes() const { return nodes_.data(); }
-    const TriangleBlock* blocks() const { return blocks_.data(); }
+    const TriangleBlock* blocks() const { return blocks_.get(); }
     const GeometryRecord& record(std::uint32_t geometry) const { return (*records_)[geometry]; }
     /// Of its triangles, with the margin.
     const Box3& box() const { return box_; }
@@ -86,7 +92,8 @@ class TriangleTree {
 
     const std::deque<GeometryRecord>* records_ = nullptr;
     std::vector<TreeNode> nodes_;
-    std::vector<TriangleBlock> blocks_;
+    std::unique_ptr<TriangleBlock[]> blocks_;
+    std::size_t block_count_ = 0;
     Box3 box_;
 };
 
