@@ -67,7 +67,8 @@ struct DynamicVirtualLight {
     std::uint32_t halves = scene::none;   // LightTree::dynamic_halves(): the first of two that it consists of
 
     /// Whether its halves must stand for it at this squared distance, as a disk seen from near by would be wrong.
-    bool is_near(float square) const { return halves != scene::none && square < k_near * area; }
+    bool is_near(float square) const { return square < near_square(); }
+    float near_square() const { return halves != scene::none ? k_near * area : 0; }
 
  private:
     static constexpr float k_near = 6;
