@@ -75,6 +75,8 @@ void LobeImage::set_rays(int left, int top, std::span<const std::uint32_t> pixel
         LobePixel& pixel = tiles_[tile][p];
         for (int c = 0; c < 3; ++c)
             if (weights[p][c] > 0) pixel.light[c] *= pixel.weight[c] / weights[p][c];
+        const float all = pixel.weight.x + pixel.weight.y + pixel.weight.z;
+        if (all > 0) pixel.cast = (weights[p].x + weights[p].y + weights[p].z) / all;
     }
 }
 

@@ -10,6 +10,10 @@
 // balance heuristic [Veach and Guibas 1995; Bekaert et al. 2002] (lobe_reuse.cpp). So a pixel on a small ball takes of
 // its neighbours' rays what it would show itself, and a smooth mirror keeps to itself.
 //
+// On flat parts of a surface, all lobes of the window are nearly the same, and would meet what is far away equally
+// often. There rays count alike, and no densities are found: where lobes differ by less than even_alike widths,
+// parallax included. From there to even_unlike widths, both ways fade into each other.
+//
 // Where few of the rays meet what is bright, the window's edges would show as a woven pattern: they pass over those
 // rays one by one. Therefore pixels whose lobes are nearly the same share the means as well, which makes the window's
 // edges soft.
@@ -22,9 +26,9 @@
 // of the samples that show it: what a sample's lobe would bring of radiance 1 is kept as the pixel filter spreads it,
 // and all of it then gets the pixel's filtered light.
 //
-// Cost: for each ray of a pixel that has a lobe twice 81 densities, several pixels at once; and 81 neighbours for each
-// pixel. Memory: some 110 bytes for each pixel of tiles that show lobes, 28 for each ray (packed_lobe_ray.h), of which
-// a pixel has 16 at most, and 108 where it is spread.
+// Cost: three times 81 neighbours for each pixel; and, where lobes of the window differ, twice 81 densities for each
+// ray, a vector of pixels at once (lobe_sums.h). Memory: 124 bytes for each pixel of tiles that show lobes, 28 for each
+// ray (packed_lobe_ray.h), of which a pixel has 16 at most, and 108 where it is spread.
 
 #include <array>
 #include <memory>
@@ -60,6 +64,10 @@ struct LobePixel {
     float scale = 0;                     // see set_lobe()
     float footprint = 0;                 // of the pixel on the surface, its longer axis
     float rays = 1;                      // as which those that found `light` count
+    float cast = 1;                      // part of `weight` that is of samples with rays
+    // Of its light, what counts for neighbours without asking their lobes, which are the same for its rays; and of its
+    // rays, what counts by their densities: LobeImage finds them.
+    float even = 0, uneven = 1;
     // What its own and its neighbours' rays bring; and the mean of it: see LobeImage::add_to().
     glm::vec3 gathered{0}, filtered{0};
 
@@ -70,12 +78,22 @@ struct LobePixel {
         const float square = own_width * own_width;
         normal = own_normal, to_viewer = viewer, width = own_width, scale = density * square * square;
     }
+    /// @param same              how far the lobes of its window are the same for its rays, 0 to 1
+    /// @param covered, counted  how many pixels of the window count, and as how many rays
+    void set_evenness(float same, float covered, float counted)
+    {
+        even = counted > 0 ? same * cast * (covered / counted) : 0;
+        uneven = 1 - same;
+    }
 };
 
 struct LobeFilterOptions {
     // Difference of two lobes, in widths, up to which a neighbour counts fully, and from which on it does not: for its
     // rays; for how many rays a pixel casts; for the mean of what pixels gathered.
     float rays_alike = 3, rays_unlike = 6, wanted_alike = 1, wanted_unlike = 4, means_alike = 0.1f, means_unlike = 0.3f;
+    // Difference, with the parallax of what a pixel's rays meet, up to which the lobes of its window are the same for
+    // them, and from which on they are not.
+    float even_alike = 0.15f, even_unlike = 0.3f;
     // As rays_alike and rays_unlike, under an environment image.
     float image_alike = 0.2f, image_unlike = 0.6f;
     // Rays that a pixel should have with its neighbours; and, where these are as different as a lobe is wide, by
@@ -141,11 +159,10 @@ class LobeImage {
         std::vector<PackedLobeRay> rays;
     };
     std::span<const PackedLobeRay> rays_of(int x, int y) const;
+    float nearest_of(int x, int y) const;
+    LobePixel with_evenness(int x, int y, const LobeFilterOptions& options) const;
     float density_around(int x, int y, const LobeRay& ray, const LobeFilterOptions& options) const;
-    void fill(int left, int top, glm::vec3 LobePixel::*found, bool around, Window& window) const;
-    template <class Use>
-    void for_each_neighbour(int y, int first, int end, float alike, float unlike, Window& window,
-                            const LobeFilterOptions& options, const Use& use) const;
+    void fill(int left, int top, glm::vec3 LobePixel::*found, bool with_rays, Window& window) const;
     template <class Row>
     void for_each_row(int left, int top, const Row& row);
     static void set_found(int first, int end, glm::vec3 LobePixel::*from, glm::vec3 LobePixel::*to, LobePixel* pixels,

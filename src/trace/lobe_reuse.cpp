@@ -2,142 +2,53 @@
 // The steps of the lobe filter: how densely the pixels around cast rays to where a ray ends; the sum of what the rays
 // of a pixel and its neighbours bring; the mean of what pixels gathered whose lobes are nearly the same.
 //
-// Each has a row of a tile's pixels at once, for one neighbour and one of its rays after the other. The orders of sums
-// are fixed, and the functions for pixels by themselves, the references, have the same.
+// Each has a row of a tile's pixels at once (lobe_sums.h). The orders of sums are fixed, and the functions for pixels
+// by themselves, the references, have the same.
 #include <utility>
 
 #include "trace/lobe_filter.h"
+#include "trace/lobe_sums.h"
 #include "trace/lobe_window.h"
 
 namespace gnomon::trace {
 
 namespace {
 
-SeenPlace seen_place(const LobePixel& lobe, const LobePixel& from, const LobeRay& ray)
+const LobePixel k_no_lobe;
+
+LobeSharing sharing_of(const LobeFilterOptions& options, float alike, float unlike)
 {
-    const glm::vec3 facing = facing_of(ray);
-    return place_seen(lobe.normal.x, lobe.normal.y, lobe.normal.z, lobe.to_viewer.x, lobe.to_viewer.y, lobe.to_viewer.z,
-                      lobe.position.x, lobe.position.y, lobe.position.z, from.position.x, from.position.y,
-                      from.position.z, ray.direction.x, ray.direction.y, ray.direction.z, ray.nearness, facing.x,
-                      facing.y, facing.z);
-}
-
-// A row of pixels, and their neighbours in one direction.
-struct Neighbours {
-    const float *px, *py, *pz, *ax, *ay, *az, *width, *footprint;
-    const float *other_px, *other_py, *other_pz, *other_ax, *other_ay, *other_az, *other_width, *other_footprint;
-    const float* other_rays;
-};
-
-// As difference() and Likeness, for a row. Without branches, so that compilers use vectors.
-// @param share    out: how far a neighbour counts
-// @param counted  out: times how many rays it has
-void find_shares(const Neighbours& n, int first, int end, float near, const Likeness& likeness, float edge,
-                 float* __restrict share, float* __restrict counted)
-{
-    for (int x = first; x < end; ++x) {
-        const float dx = n.other_px[x] - n.px[x], dy = n.other_py[x] - n.py[x], dz = n.other_pz[x] - n.pz[x];
-        const float tx = n.other_ax[x] - n.ax[x], ty = n.other_ay[x] - n.ay[x], tz = n.other_az[x] - n.az[x];
-        const float square = dx * dx + dy * dy + dz * dz, turn = tx * tx + ty * ty + tz * tz;
-        const float a = n.footprint[x], b = n.other_footprint[x], footprint = a < b ? b : a;
-        const float w = n.width[x], v = n.other_width[x], width = v < w ? v : w, wider = (v < w ? w : v) - width;
-        const float close = square < near * (footprint * footprint) ? edge : 0.0f;
-        const float apart = (turn + wider * wider) / (width * width);
-        float t = (likeness.unlike - apart) * likeness.slope;
-        t = t > 0 ? t : 0.0f;   // nor where a width is 0
-        t = t < 1 ? t : 1.0f;
-        share[x] = t * t * (3 - 2 * t) * close;
-        counted[x] = share[x] * n.other_rays[x];
-    }
-}
-
-void add_products(const float* __restrict share, const float* __restrict of, int first, int end, float* __restrict sum)
-{
-    for (int x = first; x < end; ++x) sum[x] += share[x] * of[x];
-}
-
-// Rows of lobes, and of rays that start elsewhere.
-struct LobesAndRays {
-    const float *nx, *ny, *nz, *vx, *vy, *vz, *px, *py, *pz, *width, *scale;
-    const float *qx, *qy, *qz, *dx, *dy, *dz, *near, *fx, *fy, *fz;
-};
-
-[[gnu::always_inline]] inline SeenPlace seen_place(const LobesAndRays& r, int x)
-{
-    return place_seen(r.nx[x], r.ny[x], r.nz[x], r.vx[x], r.vy[x], r.vz[x], r.px[x], r.py[x], r.pz[x], r.qx[x], r.qy[x],
-                      r.qz[x], r.dx[x], r.dy[x], r.dz[x], r.near[x], r.fx[x], r.fy[x], r.fz[x]);
-}
-
-// Adds a row of lobes to the densities of rays.
-void add_densities(const LobesAndRays& r, const float* __restrict counted, int first, int end,
-                   float* __restrict density)
-{
-    for (int x = first; x < end; ++x)
-        density[x] += counted[x] * (r.scale[x] * density_of(seen_place(r, x), r.width[x] * r.width[x]));
-}
-
-// Rows of lobes and of where rays start, by component, and of one ray.
-template <class Lobes, class Starts, class Ray>
-LobesAndRays lobes_and_rays(const Lobes& lobe, const Starts& start, const Ray& ray)
-{
-    using W = LobeImage::Window;
-    return {lobe(W::nx), lobe(W::ny), lobe(W::nz),    lobe(W::vx),    lobe(W::vy),  lobe(W::vz),  lobe(W::px),
-            lobe(W::py), lobe(W::pz), lobe(W::width), lobe(W::scale), start(W::px), start(W::py), start(W::pz),
-            ray(W::dx),  ray(W::dy),  ray(W::dz),     ray(W::near),   ray(W::fx),   ray(W::fy),   ray(W::fz)};
-}
-
-// How much rays of neighbours count.
-void find_counts(const LobesAndRays& r, const float* __restrict counted, const float* __restrict density, int first,
-                 int end, float* __restrict counts)
-{
-    for (int x = first; x < end; ++x) {
-        const float own = r.scale[x] * density_of(seen_place(r, x), r.width[x] * r.width[x]);
-        const float count = counted[x] * (own / density[x]);
-        counts[x] = density[x] > 0 ? count : 0.0f;
-    }
+    return {options.near * options.near, {alike, unlike}};
 }
 
 }   // namespace
 
 // Fills the window of a tile.
 // @param found   what its pixels found
-// @param around  with the rays of the pixels around, too
-void LobeImage::fill(int left, int top, glm::vec3 LobePixel::*found, bool around, Window& window) const
+// @param with_rays  with the rays of all of them that count by their densities
+void LobeImage::fill(int left, int top, glm::vec3 LobePixel::*found, bool with_rays, Window& window) const
 {
-    window.clear(side_);
-    for (int y = 0; y < window.height; ++y)
+    window.resize(side_);
+    const auto pixel_at = [&](int x, int y) -> const LobePixel& {
+        const int nx = left + x - k_half, ny = top + y - k_half;
+        return nx >= 0 && ny >= 0 && nx < size_.width && ny < size_.height ? at(nx, ny) : k_no_lobe;
+    };
+    for (int y = 0; y < window.height; ++y) {
+        std::size_t most = 0;
         for (int x = 0; x < window.stride; ++x) {
-            const int nx = left + x - k_half, ny = top + y - k_half;
-            if (nx < 0 || ny < 0 || nx >= size_.width || ny >= size_.height || !tiles_[tile_of(nx, ny)]) continue;
-            const LobePixel& pixel = tiles_[tile_of(nx, ny)][in_tile(nx, ny)];
-            if (!(pixel.width > 0)) continue;
+            const LobePixel& pixel = pixel_at(x, y);
             window.take(x, y, pixel, pixel.*found);
-            const bool inside = x >= k_half && y >= k_half && x < k_half + side_ && y < k_half + side_;
-            if (around || inside) window.take(x, y, rays_of(nx, ny));
+            if (with_rays && pixel.width > 0 && pixel.uneven > 0)
+                most = std::max(most, rays_of(left + x - k_half, top + y - k_half).size());
         }
-}
-
-// Calls use(dx, dy) for all neighbours in one direction of a row of the window's tile, with their shares.
-template <class Use>
-void LobeImage::for_each_neighbour(int y, int first, int end, float alike, float unlike, Window& window,
-                                   const LobeFilterOptions& options, const Use& use) const
-{
-    using W = Window;
-    const float near = options.near * options.near;
-    const Likeness likeness(alike, unlike);
-    const auto own = [&](W::Of of) { return window.row(of, y + k_half) + k_half; };
-    for (int dy = -k_half; dy <= k_half; ++dy)
-        for (int dx = -k_half; dx <= k_half; ++dx) {
-            const auto other = [&](W::Of of) { return window.row(of, y + k_half + dy) + k_half + dx; };
-            const Neighbours n{own(W::px),          own(W::py),    own(W::pz),        own(W::ax),   own(W::ay),
-                               own(W::az),          own(W::width), own(W::footprint), other(W::px), other(W::py),
-                               other(W::pz),        other(W::ax),  other(W::ay),      other(W::az), other(W::width),
-                               other(W::footprint), other(W::rays)};
-            find_shares(n, first, end, near, likeness, part_at(dx) * part_at(dy), window.share.data(),
-                        window.counted.data());
-            const float* const share = window.share.data();
-            if (std::any_of(share + first, share + end, [](float s) { return s > 0; })) use(dx, dy);
+        window.begin_rays(y, static_cast<int>(most));
+        if (most == 0) continue;
+        for (int x = 0; x < window.stride; ++x) {
+            const LobePixel& pixel = pixel_at(x, y);
+            if (pixel.width > 0 && pixel.uneven > 0)
+                window.take(x, y, rays_of(left + x - k_half, top + y - k_half), pixel.uneven);
         }
+    }
 }
 
 // Calls row(y, first, end, pixels) for each row of a tile, with the part of it that has lobes.
@@ -170,87 +81,88 @@ void LobeImage::set_found(int first, int end, glm::vec3 LobePixel::*from, glm::v
 
 void LobeImage::find_densities(int left, int top, Window& window, const LobeFilterOptions& options)
 {
-    using W = Window;
     Rays& rays = rays_[tile_of(left, top)];
     if (rays.first.empty()) return;
     fill(left, top, &LobePixel::light, false, window);
-    for_each_row(left, top, [&](int y, int first, int end, LobePixel*) {
-        const int most = window.rays_of_row[static_cast<std::size_t>(y + k_half)];
-        const auto own = [&](W::Of of) { return window.row(of, y + k_half) + k_half; };
-        const auto ray = [&](W::OfRay of, int k) { return window.row(of, k, y + k_half) + k_half; };
-        for (int k = 0; k < most; ++k) std::fill(ray(W::density, k) + first, ray(W::density, k) + end, 0.0f);
-        std::fill(window.covered.begin(), window.covered.end(), 0.0f);
-        for_each_neighbour(
-            y, first, end, options.rays_alike, options.rays_unlike, window, options, [&](int dx, int dy) {
-                const auto other = [&](W::Of of) { return window.row(of, y + k_half + dy) + k_half + dx; };
-                for (int k = 0; k < most; ++k) {
-                    const LobesAndRays rows = lobes_and_rays(other, own, [&](W::OfRay of) { return ray(of, k); });
-                    window.for_each_run(k, y + k_half, k_half, first, end, [&](int from, int to) {
-                        add_densities(rows, window.counted.data(), from, to, ray(W::density, k));
-                    });
-                }
-                for (int x = first; x < end; ++x)
-                    window.covered[static_cast<std::size_t>(x)] += window.share[static_cast<std::size_t>(x)];
-            });
+    const LobeSharing sharing = sharing_of(options, options.rays_alike, options.rays_unlike);
+    for_each_row(left, top, [&](int y, int first, int end, LobePixel* pixels) {
+        const int row = y + k_half;
+        for (int x = first; x < end; ++x) window.set(Window::nearest, x + k_half, row, nearest_of(left + x, top + y));
+        find_same(window, sharing, {options.even_alike, options.even_unlike}, y, first, end);
+        std::size_t most = 0;
         for (int x = first; x < end; ++x) {
-            const auto at = static_cast<std::size_t>(y * side_ + x);
-            for (std::uint32_t k = rays.first[at]; k < rays.first[at + 1]; ++k) {
-                rays.rays[k].density = ray(W::density, static_cast<int>(k - rays.first[at]))[x] /
+            const auto at = static_cast<std::size_t>(x);
+            pixels[x].set_evenness(window.same[at], window.covered[at], window.counted[at]);
+            if (pixels[x].uneven > 0) most = std::max(most, rays_of(left + x, top + y).size());
+        }
+        if (most == 0) return;
+        // Find densities of the rays that count by them.
+        window.begin_rays(row, static_cast<int>(most));
+        for (int x = first; x < end; ++x)
+            if (pixels[x].uneven > 0) window.take(x + k_half, row, rays_of(left + x, top + y), 1);
+        sum_densities(window, sharing, y, first, end);
+        for (int x = first; x < end; ++x) {
+            if (!(pixels[x].uneven > 0)) continue;
+            const std::uint32_t* const list = rays.first.data() + y * side_ + x;
+            for (std::uint32_t k = list[0]; k < list[1]; ++k)
+                rays.rays[k].density = window.density[(k - list[0]) * static_cast<std::size_t>(window.padded) +
+                                                      static_cast<std::size_t>(x)] /
                                        window.covered[static_cast<std::size_t>(x)];
-            }
         }
     });
 }
 
+float LobeImage::nearest_of(int x, int y) const
+{
+    float nearest = 0;
+    for (const PackedLobeRay& ray : rays_of(x, y)) nearest = std::max(nearest, ray.nearness);
+    return nearest;
+}
+
 void LobeImage::gather(int left, int top, Window& window, const LobeFilterOptions& options)
 {
-    using W = Window;
     fill(left, top, &LobePixel::light, true, window);
+    const LobeSharing sharing = sharing_of(options, options.rays_alike, options.rays_unlike);
     for_each_row(left, top, [&](int y, int first, int end, LobePixel* pixels) {
-        window.clear_sums();
-        const auto own = [&](W::Of of) { return window.row(of, y + k_half) + k_half; };
-        for_each_neighbour(
-            y, first, end, options.rays_alike, options.rays_unlike, window, options, [&](int dx, int dy) {
-                const auto other = [&](W::Of of) { return window.row(of, y + k_half + dy) + k_half + dx; };
-                for (int k = 0; k < window.rays_of_row[static_cast<std::size_t>(y + k_half + dy)]; ++k) {
-                    const auto ray = [&](W::OfRay of) { return window.row(of, k, y + k_half + dy) + k_half + dx; };
-                    float* const counts = window.found.data();
-                    const LobesAndRays rows = lobes_and_rays(own, other, ray);
-                    window.for_each_run(k, y + k_half + dy, k_half + dx, first, end, [&](int from, int to) {
-                        find_counts(rows, window.counted.data(), ray(W::density), from, to, counts);
-                        for (int c = 0; c < 3; ++c) {
-                            add_products(counts, ray(static_cast<W::OfRay>(W::ray_lr + c)), from, to,
-                                         window.light[c].data());
-                            add_products(counts, ray(static_cast<W::OfRay>(W::ray_wr + c)), from, to,
-                                         window.weight[c].data());
-                        }
-                    });
-                }
-            });
+        sum_rays(window, sharing, y, first, end);
         set_found(first, end, &LobePixel::light, &LobePixel::gathered, pixels, window);
     });
 }
 
 void LobeImage::share_means(int left, int top, Window& window, const LobeFilterOptions& options)
 {
-    using W = Window;
     fill(left, top, &LobePixel::gathered, false, window);
+    const LobeSharing sharing = sharing_of(options, options.means_alike, options.means_unlike);
     for_each_row(left, top, [&](int y, int first, int end, LobePixel* pixels) {
-        window.clear_sums();
-        for_each_neighbour(y, first, end, options.means_alike, options.means_unlike, window, options,
-                           [&](int dx, int dy) {
-                               const auto add = [&](int of, std::vector<float>& sum) {
-                                   const float* const row = window.row(static_cast<W::Of>(of), y + k_half + dy);
-                                   add_products(window.counted.data(), row + k_half + dx, first, end, sum.data());
-                               };
-                               for (int c = 0; c < 3; ++c)
-                                   add(W::lr + c, window.light[c]), add(W::wr + c, window.weight[c]);
-                           });
+        sum_means(window, sharing, y, first, end);
         set_found(first, end, &LobePixel::gathered, &LobePixel::filtered, pixels, window);
     });
 }
 
 namespace {
+
+float dot(const glm::vec3& a, const glm::vec3& b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// How densely a lobe casts rays to where the ray of another pixel ends: per steradian as that pixel sees the place.
+// Microfacets reflect the viewer's direction there whose normal is h, the sum of both directions.
+float density_of(const LobePixel& lobe, const LobePixel& other, const LobeRay& ray)
+{
+    // See the place from where the lobe starts, in units of the ray's length.
+    const glm::vec3 from = other.position - lobe.position, to = ray.direction + ray.nearness * from;
+    const float slant = 1 + dot(facing_of(ray), from), length = std::sqrt(dot(to, to));
+    // Find the parts of h along the lobe's normal and across, and the distribution of normals there [Walter et al.
+    // 2007], relative to that of the lobe's normal.
+    const glm::vec3 h = to + length * lobe.to_viewer, &n = lobe.normal;
+    const glm::vec3 cross(n.y * h.z - n.z * h.y, n.z * h.x - n.x * h.z, n.x * h.y - n.y * h.x);
+    const float above = dot(n, to), along = dot(n, h), along2 = along * along, across = dot(cross, cross);
+    const float below = lobe.width * lobe.width * along2 + across, inverse = 1 / (below * length);
+    const float peak = (along2 + across) * length * inverse, nearer = below * inverse;
+    const float density = lobe.scale * (peak * peak * slant * (nearer * nearer * nearer));
+    return above > 0 && along > 0 && slant > 0 ? density : 0;
+}
 
 // Calls use(x, y, share, share times rays) for each neighbour of a pixel that counts.
 template <class Use>
@@ -278,14 +190,30 @@ glm::vec3 times_mean(const LobePixel& own, const glm::vec3& light, const glm::ve
 
 }   // namespace
 
+// A pixel whose window's lobes have been compared.
+LobePixel LobeImage::with_evenness(int x, int y, const LobeFilterOptions& options) const
+{
+    LobePixel own = at(x, y);
+    const float near = nearest_of(x, y), parallax = near * near / (own.width * own.width);
+    float most = 0, covered = 0, counted_all = 0;
+    for_each_alike(*this, size_, x, y, {options.rays_alike, options.rays_unlike}, options,
+                   [&](int nx, int ny, float share, float counted) {
+                       const LobePixel& other = at(nx, ny);
+                       const glm::vec3 apart = other.position - own.position;
+                       const float turn = difference(own, other, options);
+                       if (share > 0) most = std::max(most, 2 * (turn + parallax * dot(apart, apart)));
+                       covered += share, counted_all += counted;
+                   });
+    own.set_evenness(Likeness(options.even_alike, options.even_unlike)(most), covered, counted_all);
+    return own;
+}
+
 float LobeImage::density_around(int x, int y, const LobeRay& ray, const LobeFilterOptions& options) const
 {
     float density = 0, shares = 0;
     for_each_alike(*this, size_, x, y, {options.rays_alike, options.rays_unlike}, options,
                    [&](int nx, int ny, float share, float counted) {
-                       const LobePixel& lobe = at(nx, ny);
-                       const float there = density_of(seen_place(lobe, at(x, y), ray), lobe.width * lobe.width);
-                       density += counted * (lobe.scale * there), shares += share;
+                       density += counted * density_of(at(nx, ny), at(x, y), ray), shares += share;
                    });
     return density / shares;
 }
@@ -298,13 +226,14 @@ glm::vec3 LobeImage::gathered(int x, int y, const LobeFilterOptions& options) co
     glm::vec3 light(0), weight(0);
     for_each_alike(*this, size_, x, y, {options.rays_alike, options.rays_unlike}, options,
                    [&](int nx, int ny, float, float counted) {
+                       const LobePixel other = with_evenness(nx, ny, options);
+                       light += counted * other.even * other.light, weight += counted * other.even * other.weight;
+                       if (!(other.uneven > 0)) return;
                        for (const PackedLobeRay& kept : rays_of(nx, ny)) {
-                           const LobeRay ray = unpacked(kept);
-                           const float density = density_around(nx, ny, ray, options);
-                           if (!(density > 0)) continue;
-                           const float there =
-                               own.scale * density_of(seen_place(own, at(nx, ny), ray), own.width * own.width);
-                           const float counts = counted * (there / density);
+                           LobeRay ray = unpacked(kept);
+                           ray.density = density_around(nx, ny, ray, options);
+                           const float counts =
+                               counted * (density_of(own, at(nx, ny), ray) * (rarity_of(ray) * other.uneven));
                            light += counts * ray.light, weight += counts * ray.weight;
                        }
                    });
