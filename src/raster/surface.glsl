@@ -257,7 +257,9 @@ Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float
         }
         s.normal = unit_or(s.front ? turned : -turned, s.geometric_normal);
         const float away = dot(s.normal, s.to_viewer);
-        const vec3 bent = away < 0 ? unit_or(s.normal - (away - GNOMON_BENT_VIEW) * s.to_viewer, s.geometric_normal) : s.normal;
+        const vec3 bent = away < GNOMON_LOBE_LEAST_VIEW
+                              ? unit_or(s.normal - (away - GNOMON_BENT_VIEW) * s.to_viewer, s.geometric_normal)
+                              : s.normal;
         if (dot(bent, s.geometric_normal) > 0.25) s.smooth_normal = bent;
         // As in ray/smooth_surface.cpp, at most half of the triangle's shortest altitude.
         const float longest = max(max(distance(t.p[0], t.p[1]), distance(t.p[1], t.p[2])), distance(t.p[2], t.p[0]));
@@ -274,7 +276,8 @@ Surface surface_at(uint draw, uint primitive, vec3 origin, vec3 direction, float
         s.normal = mapped_normal(t, material.normal_texture, texels_found[k_normals], material.normal_scale, s.front,
                                  s.normal);
     const float facing = dot(s.normal, s.to_viewer);
-    if (facing < 0) s.normal = unit_or(s.normal - (facing - GNOMON_BENT_VIEW) * s.to_viewer, s.geometric_normal);
+    if (facing < GNOMON_LOBE_LEAST_VIEW)
+        s.normal = unit_or(s.normal - (facing - GNOMON_BENT_VIEW) * s.to_viewer, s.geometric_normal);
     fill_material(t, material, texels_found, s);
     return s;
 }

@@ -2,6 +2,7 @@
 #include "shading/lobe_rays.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/sobol.h"
@@ -111,10 +112,16 @@ void widen_lobe(const ray::ObjectGeometry& geometry, std::uint32_t triangle, Sur
 std::uint32_t lobe_block(int x, int y)
 {
     static_assert(k_lobe_interleave == 8);
-    // Neighbours get blocks that are far apart, and so do blocks of 2 x 2 and of 4 x 4 pixels.
+    // Neighbours get blocks that are far apart, those of 2 x 2 pixels four that follow each other. Beyond these, the
+    // order is shuffled: on a curved surface, what is bright moves from pixel to pixel through the pattern, and would
+    // keep in step with one that is ordered.
+    static constexpr std::array<std::uint8_t, 16> k_shuffled{36, 44, 52, 40, 48, 16, 8,  20,
+                                                             24, 28, 32, 56, 0,  60, 12, 4};
+    static constexpr std::array<std::uint8_t, 16> k_flipped{2, 1, 2, 3, 3, 1, 1, 2, 1, 0, 0, 1, 0, 3, 3, 2};
     const auto a = static_cast<std::uint32_t>(x), b = static_cast<std::uint32_t>(y);
     const auto digit = [&](int bit) { return ((a ^ b) >> bit & 1) << 1 | (b >> bit & 1); };
-    return digit(0) | digit(1) << 2 | digit(2) << 4;
+    const std::uint32_t upper = digit(1) | digit(2) << 2;
+    return k_shuffled[upper] | (digit(0) ^ k_flipped[upper]);
 }
 
 float lobe_width(float roughness)

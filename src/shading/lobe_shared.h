@@ -8,8 +8,8 @@
 #define GNOMON_COSINE_FIRST_ROUGHNESS 0.05f   // of a fit
 #define GNOMON_COSINE_LEAST_VIEW 2e-3f        // cosine of the view of a fit
 #define GNOMON_LOBE_LEAST_ROUGHNESS 0.05f     // of a lobe: below it, a mirror ray shows the same
-#define GNOMON_BENT_VIEW 1e-3f                // cosine of the view to which normals are bent that face away from it
-#define GNOMON_LOBE_LEAST_VIEW 5e-4f          // cosine of the view: seen more edge-on, a surface counts as a mirror
-#define GNOMON_ALBEDO_SIDE 32                 // of the square table of albedos: roughness, cosine of the view
+#define GNOMON_BENT_VIEW 1e-3f         // cosine of the view to which normals are bent that face it less than a lobe
+#define GNOMON_LOBE_LEAST_VIEW 5e-4f   // cosine of the view: seen more edge-on, a surface counts as a mirror
+#define GNOMON_ALBEDO_SIDE 32          // of the square table of albedos: roughness, cosine of the view
 
 #endif

@@ -216,11 +216,14 @@ glm::vec3 outward_of(const ray::ObjectGeometry& geometry, const glm::vec3& norma
     return geometry.mirrored ? -normal : normal;
 }
 
-// Bends a shading normal that looks away from the viewer back to the horizon.
+// Bends a shading normal that looks away from the viewer back to the horizon, and one that is seen so edge-on that it
+// would have no lobe.
 glm::vec3 to_viewers_side(const SurfacePoint& s, const glm::vec3& normal)
 {
     const float facing = glm::dot(normal, s.to_viewer);
-    return facing < 0 ? unit_or(normal - (facing - GNOMON_BENT_VIEW) * s.to_viewer, s.geometric_normal) : normal;
+    return facing < GNOMON_LOBE_LEAST_VIEW
+               ? unit_or(normal - (facing - GNOMON_BENT_VIEW) * s.to_viewer, s.geometric_normal)
+               : normal;
 }
 
 // The direction of u on the surface, unit; 0 without texture coordinates.

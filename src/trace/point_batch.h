@@ -63,7 +63,7 @@ inline Tile tile_at(std::size_t index, int columns, int side, Size size)
 
 /// What a path knows of the lobe (shading/lobe_rays.h) that it left, if any.
 struct LobePath {
-    std::uint32_t batch = 0;    // of the primary hit's rays, from 1 on; 0: it left none there
+    std::uint32_t light = 0;    // which sum its light is added to, from 1 on; 0: that of its pixel
     std::uint32_t number = 0;   // of the ray that left the first lobe
     float rays = 0;             // into how many the path was divided; 0: it was not
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <utility>
 
 #include "base/interruption.h"
@@ -23,7 +24,8 @@ constexpr std::uint32_t k_lobe_batches = 8;   // of random rays: their spread is
 constexpr int k_blurred_lobe_rays = 2;        // a power of two
 constexpr float k_least_lobe_rays = 1e-3f;    // as which a pixel's rays count beside its neighbours'
 constexpr std::uint32_t k_lobe_blocks = shading::k_lobe_interleave * shading::k_lobe_interleave;
-constexpr float k_least_cosine = 0.1f;     // of the view, for the pixel's footprint
+constexpr float k_least_lobe_length = 1e-6f;   // of a lobe's ray as neighbours take it, in metres
+constexpr float k_least_cosine = 0.1f;         // of the view, for the pixel's footprint
 constexpr float k_further_share = 0.25f;   // of a pixel, that a further sample makes, with those that take its light
 
 // The mean radiance of a sky over the directions above a level surface, weighted by their cosines.
@@ -82,7 +84,8 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
       lobes_(lobes)
 {
     if (options.max_depth > 0 && options.lobe_rays > 0)
-        rays_of_lobe_ = power_of_two_from((options.lobe_rays + options.samples - 1) / options.samples);
+        rays_of_lobe_ =
+            static_cast<int>(std::bit_floor(static_cast<unsigned>(std::max(options.lobe_rays / options.samples, 1))));
     if (options.random_lobes) rays_of_lobe_ = std::max(rays_of_lobe_, static_cast<int>(k_lobe_batches));
     if (sized.lights) sized_.emplace(*sized.lights, *sized.visibility, rays_);
     if (environment) environment_.emplace(*environment, rays_);
@@ -236,10 +239,11 @@ void TileTracer::begin_tile(const Tile& tile)
 {
     tile_ = tile;
     if (indirect_) indirect_->begin_tile(tile);
-    lobe_light_.clear();
+    lobe_light_.clear(), kept_pixels_.clear(), kept_rays_.clear();
     pixels_.clear();
     const auto pixels = static_cast<std::size_t>(tile.side) * static_cast<std::size_t>(tile.side);
     clear_sums(pixels);
+    if (lobes_) lobe_samples_.assign(pixels, 0);
     if (options_.layers) normal_.assign(pixels, glm::vec3(0)), depth_.assign(pixels, 0);
     if (is_estimate_)
         for (auto* layer : {&first_irradiance_, &first_variance_, &variance_}) layer->assign(pixels, glm::vec3(0));
@@ -402,6 +406,12 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample, bo
         if (path.lobe.rays > 0) shading::widen_lobe(rays_.geometry(hits_.object[i]), hits_.triangle[i], point.surface);
         point.parts = path.parts, point.splits = path.splits;
         const shading::SurfacePoint& s = point.surface;
+        if (bounce_ == 0 && path.lobe.light != 0 && !kept_rays_.empty()) {
+            // Note where the ray of a lobe ends.
+            LobeRay& ray = kept_rays_[path.lobe.light - 1];
+            ray.nearness = 1 / std::max(hits_.t[i], k_least_lobe_length);
+            ray.normal = s.geometric_normal;
+        }
         if (primary && refinement_ && take_light(point, hits_.object[i], hits_.triangle[i])) {
             points_.pop_back();
             continue;
@@ -637,7 +647,7 @@ void TileTracer::add_indirect(const PointBatch& batch)
             if (is_estimate_) direct_[point.pixel] += reflected(glm::vec3(0), sky ? glm::vec3(0) : surroundings);
         }
         // The spread of a lobe's rays has the errors of what they meet.
-        if (!is_estimate_ || point.lobe.batch != 0) continue;
+        if (!is_estimate_ || point.lobe.light != 0) continue;
         const glm::vec3 error = reflected(arrives_.error[k], glm::vec3(0));
         variance_[point.pixel] += error * error;
         if (!batch.primary) continue;
@@ -655,7 +665,7 @@ void TileTracer::add_indirect(const PointBatch& batch)
     for (std::size_t k = 0; k < arrives_.lobe_point.size(); ++k) {
         const TilePoint& point = batch.points[arrives_.lobe_point[k]];
         add_color(point.pixel, point.lobe, point.throughput * arrives_.lobe_radiance[k]);
-        if (point.lobe.batch != 0) continue;
+        if (point.lobe.light != 0) continue;
         const glm::vec3 error = point.throughput * arrives_.lobe_error[k];
         variance_[point.pixel] += error * error;
     }
@@ -664,10 +674,10 @@ void TileTracer::add_indirect(const PointBatch& batch)
 // Light of a lobe's rays is kept apart from that of others.
 void TileTracer::add_color(std::uint32_t pixel, const LobePath& lobe, const glm::vec3& radiance)
 {
-    if (lobe.batch == 0)
+    if (lobe.light == 0)
         color_[pixel] += radiance;
     else
-        lobe_light_[(lobe.batch - 1) * color_.size() + pixel] += radiance;
+        lobe_light_[lobe.light - 1] += radiance;
 }
 
 // What a surface without layers reflects of what its one reflected ray meets. The part of it that stands for the lobe
@@ -783,6 +793,13 @@ void TileTracer::queue_lobe(const TilePoint& point, std::uint32_t first, const g
         const glm::vec3 throughput = point.throughput * point.next.lobe_weight * lobe_rays_[k].weight * share;
         if (largest(throughput) * divided * point.parts < options_.min_throughput) continue;
         LobePath lobe = path;
+        if (kept) {
+            LobeRay& ray = kept_rays_.emplace_back();
+            ray.direction = lobe_rays_[k].direction, ray.weight = throughput;
+            kept_pixels_.push_back(point.pixel);
+            lobe_light_.emplace_back(0);
+            lobe.light = static_cast<std::uint32_t>(kept_rays_.size());
+        }
         if (rays > 1) lobe.number = first + static_cast<std::uint32_t>(k);
         const float own = 1 - highlight_share(s);
         const PathEnd end{point.glossy, sized_ ? own : 1, sees_image_ ? own : 1, point.open};
@@ -831,10 +848,12 @@ void TileTracer::keep_lobes(int sample)
         if (sample != 0) continue;
         const shading::SurfacePoint& s = point.surface;
         pixel.position = s.position, pixel.axis = point.next.reflected;
-        pixel.width = shading::lobe_width(s.roughness);
+        pixel.set_lobe(s.normal, s.to_viewer, shading::lobe_width(s.roughness),
+                       shading::glossy_density(s, point.next.reflected));
         pixel.footprint = s.cone.width / std::max(glm::dot(s.geometric_normal, s.to_viewer), k_least_cosine);
     }
-    if (!lobe_points_.empty() && lobe_light_.empty())
+    // Rays that are kept have sums of their own.
+    if (!lobe_points_.empty() && lobe_light_.empty() && !(lobes_ && !shades_further()))
         lobe_light_.assign(color_.size() * (options_.random_lobes ? k_lobe_batches : 1), glm::vec3(0));
 }
 
@@ -842,9 +861,11 @@ void TileTracer::keep_lobes(int sample)
 std::uint32_t TileTracer::number_of_lobe_rays(const glm::ivec2& pixel, std::uint32_t most)
 {
     if (!lobes_ || shades_further() || options_.random_lobes) return most;
+    LobeFilterOptions options;
+    if (sees_image_) options.least_by_turn = 0;   // rays show means of the image
     const float wanted =
-        std::as_const(*lobes_).rays_wanted(pixel.x, pixel.y, tile_.x, tile_.y, tile_.width, tile_.height) /
-        static_cast<float>(options_.samples);
+        std::as_const(*lobes_).rays_wanted(pixel.x, pixel.y, tile_.x, tile_.y, tile_.width, tile_.height, options) /
+        static_cast<float>(std::min(options_.samples, options_.lobe_rays));
     std::uint32_t rays = 1;
     while (rays < most && static_cast<float>(rays) * 1.4142f < wanted) rays *= 2;
     return rays;
@@ -855,27 +876,36 @@ void TileTracer::trace_lobes(int sample, Stopwatch& watch)
 {
     // The samples of time and lens have few rays each, and patterns of their own.
     const auto most = static_cast<std::uint32_t>(blur_ ? std::min(rays_of_lobe_, k_blurred_lobe_rays) : rays_of_lobe_);
-    const auto samples = static_cast<std::uint32_t>(power_of_two_from(options_.samples));
+    // Of many samples, the first of a pixel that show a lobe have rays, whose mean serves the others: memory has a
+    // bound. The first ones are as well distributed over the pixel as all are.
+    const int casting = std::min(options_.samples, options_.lobe_rays);
+    const auto samples = static_cast<std::uint32_t>(power_of_two_from(casting));
+    const bool keeps = lobes_ && !shades_further();
     for (std::size_t begin = 0; begin < lobe_points_.size();) {
         next_reflected_.clear(), next_refracted_.clear();
         for (; begin < lobe_points_.size() && next_reflected_.rays.size() < k_lobe_rays_at_once; ++begin) {
             const TilePoint& point = lobe_points_[begin];
+            const int number = keeps ? lobe_samples_[point.pixel] : sample;
+            if (keeps && number == casting) continue;
+            if (keeps) ++lobe_samples_[point.pixel];
             const glm::ivec2 at = pixel_of_image(point.pixel);
             const std::uint32_t rays = number_of_lobe_rays(at, most);
-            LobePath path{1, 0, static_cast<float>(rays)};
+            LobePath path{point.pixel + 1, 0, static_cast<float>(rays)};
             if (!options_.random_lobes) {
-                std::uint32_t block = shading::lobe_block(at.x, at.y) * samples + static_cast<std::uint32_t>(sample);
+                std::uint32_t block = shading::lobe_block(at.x, at.y) * samples + static_cast<std::uint32_t>(number);
                 if (blur_) block = shading::lobe_block(at.x, at.y) + k_lobe_blocks * samples_[point.pixel].number;
                 queue_lobe(point, block * rays, glm::uvec2(0), rays, path, 1,
-                           lobes_ && !shades_further() ? &lobes_->at(at.x, at.y) : nullptr);
+                           keeps ? &lobes_->at(at.x, at.y) : nullptr);
                 continue;
             }
             const auto pixel = static_cast<std::uint64_t>(at.y) << 32 | static_cast<std::uint64_t>(at.x);
-            for (; path.batch <= k_lobe_batches; ++path.batch)
+            for (std::uint32_t batch = 1; batch <= k_lobe_batches; ++batch) {
                 queue_lobe(point, 0,
                            random_flip(options_.lobe_seed + pixel,
-                                       static_cast<std::uint64_t>(sample) * k_lobe_batches + path.batch),
+                                       static_cast<std::uint64_t>(sample) * k_lobe_batches + batch),
                            rays / k_lobe_batches, path, 1.0f / k_lobe_batches);
+                path.light += static_cast<std::uint32_t>(color_.size());
+            }
         }
         std::swap(reflected_, next_reflected_);
         std::swap(refracted_, next_refracted_);
@@ -887,14 +917,15 @@ void TileTracer::trace_lobes(int sample, Stopwatch& watch)
 void TileTracer::store_lobes()
 {
     if (lobe_light_.empty()) return;
+    if (lobes_) {
+        for (std::size_t i = 0; i < kept_rays_.size(); ++i) kept_rays_[i].light = lobe_light_[i];
+        lobes_->set_rays(tile_.x, tile_.y, kept_pixels_, kept_rays_);
+        return;
+    }
     for (int y = 0; y < tile_.height; ++y)
         for (int x = 0; x < tile_.width; ++x) {
             const auto from =
                 static_cast<std::size_t>(y) * static_cast<std::size_t>(tile_.side) + static_cast<std::size_t>(x);
-            if (lobes_) {
-                if (lobe_light_[from] != glm::vec3(0)) lobes_->at(tile_.x + x, tile_.y + y).light = lobe_light_[from];
-                continue;
-            }
             glm::vec3 sum(0), square(0);
             const std::size_t batches = lobe_light_.size() / color_.size();
             for (std::size_t b = 0; b < batches; ++b) {

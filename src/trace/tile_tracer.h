@@ -305,7 +305,11 @@ class TileTracer {
     bool spreads_lobes_ = false;            // a pixel filter spreads their light
     std::vector<glm::vec3> lobe_weights_;   // then: of the sample, by pixel of the tile
     std::vector<shading::LobeRay> lobe_rays_;
-    std::vector<glm::vec3> lobe_light_;   // by batch of rays and pixel of the tile; empty: no point had a lobe
+    // By ray that is kept, by further sample, or by batch of rays and pixel of the tile; empty: no point had a lobe.
+    std::vector<glm::vec3> lobe_light_;
+    std::vector<std::uint32_t> kept_pixels_;   // by ray that is kept: its pixel of the tile
+    std::vector<LobeRay> kept_rays_;
+    std::vector<int> lobe_samples_;   // by pixel of the tile: how many have such rays
 };
 
 }   // namespace gnomon::trace

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+// LONG: the lobe's rays, their filter and whole frames share their scenes and helpers.
 // Reflections by rough metals: rays of their lobes, filtered between pixels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "base/math.h"
 #include "base/random.h"
@@ -14,6 +17,7 @@
 #include "shading/glossy.h"
 #include "shading/lobe_rays.h"
 #include "trace/lobe_filter.h"
+#include "trace/packed_lobe_ray.h"
 #include "two_references.h"
 
 namespace gnomon {
@@ -168,9 +172,14 @@ TEST(RoughReflections, WhiteMetalVanishesAtEveryRoughness)
         camera.transform = Transform::look_at({0, 0, 4}, {0, 0, 0});
         camera.vertical_fov = 0.6;
         builder.camera(camera);
-        for (const float value : rendered(builder.finish(), options_of(24))) {
-            EXPECT_GT(value, 0.98f) << roughness;
-            EXPECT_LT(value, 1.02f) << roughness;
+        const Scene scene = builder.finish();
+        const bool all = roughness == 0.1f || roughness == 0.4f || roughness == 1;
+        for (const int samples : {1, 4, 16, 64, k_adaptive_samples}) {
+            if (samples != 1 && !all) continue;
+            RenderOptions options = options_of(24);
+            options.samples = samples, options.filter = PixelFilter::box;
+            for (const float value : rendered(scene, options))
+                EXPECT_NEAR(value, 1, 0.002f) << roughness << ' ' << samples;
         }
     }
 }
@@ -240,6 +249,31 @@ TEST(RoughReflections, NoNoiseOnAFloorThatReflectsAWall)
         }
     EXPECT_LE(worst, mean / 100);
     RecordProperty("worst", std::to_string(worst / mean));
+}
+
+// Of many samples, 16 of each pixel cast a ray, and what these bring serves all of them: also at the metal's edges,
+// where few samples meet it.
+TEST(RoughReflections, ManySamplesOfAPixelHaveAsManyRaysAsAFewDo)
+{
+    constexpr int k_size = 48;
+    SceneBuilder builder;
+    builder.instance(add_ball(builder), builder.material({.base_color = {1, 1, 1}, .metallic = 1, .roughness = 0.4f}));
+    builder.background({1, 1, 1});
+    Camera camera;
+    camera.transform = Transform::look_at({0, 0, 4}, {0, 0, 0});
+    camera.vertical_fov = 0.6;
+    builder.camera(camera);
+    const Scene scene = builder.finish();
+    std::uint64_t rays = 0;
+    for (const int samples : {7, 16, 64}) {
+        RenderOptions options = options_of(k_size);
+        options.samples = samples;
+        const Frame frame = Renderer(options).render(scene, 1);
+        for (const float value : frame.layers.front().values()) EXPECT_NEAR(value, 1, 0.02f) << samples;
+        EXPECT_LE(frame.counters.reflection_rays, 16U * k_size * k_size) << samples;
+        EXPECT_GE(frame.counters.reflection_rays, rays) << samples;   // none before
+        rays = frame.counters.reflection_rays;
+    }
 }
 
 shading::SurfacePoint surface(float roughness, float cosine)
@@ -360,7 +394,33 @@ TEST(LobeRays, OnlyReflectiveRoughSurfacesHaveThem)
     EXPECT_EQ(shading::lobe_share(s), 0);
 }
 
-// An image of one plane, on which each pixel's rays brought light of its own.
+// Gives each pixel that has none a ray along its lobe's axis, which brings the pixel's light.
+void add_rays(trace::LobeImage& image, int width, int height, int side = 32)
+{
+    for (int top = 0; top < height; top += side)
+        for (int left = 0; left < width; left += side) {
+            std::vector<std::uint32_t> pixels;
+            std::vector<trace::LobeRay> rays;
+            for (int y = top; y < std::min(top + side, height); ++y)
+                for (int x = left; x < std::min(left + side, width); ++x) {
+                    trace::LobePixel& pixel = image.at(x, y);
+                    pixels.push_back(static_cast<std::uint32_t>((y - top) * side + x - left));
+                    trace::LobeRay& ray = rays.emplace_back();
+                    ray.direction = pixel.axis, ray.weight = pixel.weight;
+                    ray.light = std::exchange(pixel.light, glm::vec3(0));
+                }
+            image.set_rays(left, top, pixels, rays);
+        }
+}
+
+// Sets a pixel's lobe about an axis in which its surface faces the viewer.
+void set_axis(trace::LobePixel& pixel, const glm::vec3& axis, float width)
+{
+    pixel.axis = glm::normalize(axis);
+    pixel.set_lobe(pixel.axis, pixel.axis, width, 1);
+}
+
+// An image of one plane, on which each pixel found light of its own; its rays are still to be added.
 trace::LobeImage plane(int size, float width)
 {
     trace::LobeImage image({size, size});
@@ -370,17 +430,18 @@ trace::LobeImage plane(int size, float width)
             pixel.weight = glm::vec3(0.5f);
             pixel.light = pixel.weight * static_cast<float>(shading::lobe_block(x, y));
             pixel.position = {0.01f * static_cast<float>(x), 0.01f * static_cast<float>(y), 0};
-            pixel.axis = {0, 0, 1};
-            pixel.width = width, pixel.footprint = 0.01f;
+            set_axis(pixel, {0, 0, 1}, width);
+            pixel.footprint = 0.01f;
         }
     return image;
 }
 
 TEST(LobeFilter, InterleavedPatternsVanish)
 {
-    const trace::LobeImage image = plane(32, 0.2f);
+    trace::LobeImage image = plane(32, 0.2f);
+    add_rays(image, 32, 32);
     for (int y = 8; y < 24; ++y)
-        for (int x = 8; x < 24; ++x) EXPECT_NEAR(image.filtered(x, y).x, 0.5f * 31.5f, 1e-3f);
+        for (int x = 8; x < 24; ++x) EXPECT_NEAR(image.gathered(x, y).x, 0.5f * 31.5f, 1e-3f);
 }
 
 // One ray in eight columns meets something bright, from the middle of the image on.
@@ -389,6 +450,7 @@ TEST(LobeFilter, EdgesOfTheWindowDoNotShow)
     trace::LobeImage image = plane(64, 0.2f);
     for (int y = 0; y < 64; ++y)
         for (int x = 0; x < 64; ++x) image.at(x, y).light = glm::vec3(x >= 32 && x % 8 == 3 ? 8.0f : 0.0f);
+    add_rays(image, 64, 64);
     ImageF filtered(64, 64, 3);
     Tasks tasks(1);
     image.add_to(filtered, 1, tasks);
@@ -402,35 +464,204 @@ TEST(LobeFilter, EdgesOfTheWindowDoNotShow)
 
 TEST(LobeFilter, TilesAreFilteredAsThePixelsByThemselves)
 {
-    constexpr int k_width = 75, k_height = 50;   // not a multiple of a tile's side
+    constexpr int k_width = 43, k_height = 26, k_side = 16;   // not a multiple of a tile's side
     Random random(1, 2);
     const auto number = [&] { return random.uniform(0, 1); };
-    trace::LobeImage image({k_width, k_height}, 16);
+    trace::LobeImage image({k_width, k_height}, k_side);
     for (int y = 0; y < k_height; ++y)
         for (int x = 0; x < k_width; ++x) {
-            if (x > 40 && y < 20) continue;   // tiles without a lobe
+            if (x >= 32 && y < 16) continue;   // a tile without a lobe
             trace::LobePixel& pixel = image.at(x, y);
             pixel.weight = number() < 0.1f ? glm::vec3(0) : glm::vec3(number(), number(), number());
-            pixel.light = glm::vec3(number(), number(), number());
-            pixel.position = 0.01f * glm::vec3(x, y, number());
-            pixel.axis = glm::normalize(glm::vec3(number(), number(), 3));
-            pixel.width = number() < 0.1f ? 0 : 0.1f + number();
+            // On the left, the lobes of windows are nearly the same.
+            const float bent = x < 12 ? 0.02f : x < 20 ? 0.14f : 1.0f;
+            pixel.position = 0.01f * glm::vec3(x, y, bent * number());
+            set_axis(pixel, {bent * number(), bent * number(), 3},
+                     number() < 0.1f ? 0 : 0.1f + (x < 20 ? 0.3f : number()));
+            pixel.to_viewer = glm::normalize(glm::vec3(bent * number(), bent * number(), 3));
             pixel.footprint = 0.01f, pixel.rays = number();
         }
-    trace::LobeImage once({k_width, k_height}, 16);
-    for (int y = 0; y < k_height; ++y)
-        for (int x = 0; x < k_width; ++x) {
-            once.at(x, y) = std::as_const(image).at(x, y);
-            once.at(x, y).light = image.filtered(x, y);
+    for (int top = 0; top < k_height; top += k_side)
+        for (int left = 0; left < k_width; left += k_side) {
+            if (left >= 32 && top < 16) continue;
+            std::vector<std::uint32_t> pixels;
+            std::vector<trace::LobeRay> rays;
+            for (int y = 0; y < std::min(k_side, k_height - top); ++y)
+                for (int x = 0; x < std::min(k_side, k_width - left); ++x)
+                    for (int k = static_cast<int>(4 * number()); k > 0; --k) {
+                        if (image.at(left + x, top + y).weight == glm::vec3(0)) break;
+                        pixels.push_back(static_cast<std::uint32_t>(y * k_side + x));
+                        trace::LobeRay& ray = rays.emplace_back();
+                        ray.direction = glm::normalize(glm::vec3(number() - 0.5f, number() - 0.5f, 1));
+                        if (number() > 0.2f) {
+                            ray.nearness = (left + x < 20 ? 0.3f : 10.0f) * number();
+                            ray.normal = glm::normalize(glm::vec3(number() - 0.5f, number() - 0.5f, -1));
+                        }
+                        ray.light = glm::vec3(number(), number(), number());
+                        ray.weight = glm::vec3(number(), number(), number());
+                    }
+            image.set_rays(left, top, pixels, rays);
         }
+    std::vector<glm::vec3> gathered;
+    std::array<int, 3> by_evenness{};   // pixels for whose rays no lobes around are the same, some are, all are
+    for (int y = 0; y < k_height; ++y)
+        for (int x = 0; x < k_width; ++x) gathered.push_back(image.gathered(x, y));
     ImageF color(k_width, k_height, 3);
     Tasks tasks(2);
     image.add_to(color, 1, tasks);
     for (int y = 0; y < k_height; ++y)
         for (int x = 0; x < k_width; ++x) {
-            const glm::vec3 filtered = once.filtered(x, y);
-            for (int c = 0; c < 3; ++c) ASSERT_EQ(color.pixel(x, y)[c], filtered[c]) << x << ' ' << y;
+            if (x >= 32 && y < 16) continue;
+            const glm::vec3 own = gathered[static_cast<std::size_t>(y * k_width + x)], mean = image.mean(x, y);
+            for (int c = 0; c < 3; ++c) {
+                ASSERT_EQ(std::as_const(image).at(x, y).gathered[c], own[c]) << x << ' ' << y;
+                ASSERT_EQ(color.pixel(x, y)[c], mean[c]) << x << ' ' << y;
+            }
+            const trace::LobePixel& pixel = std::as_const(image).at(x, y);
+            if (pixel.weight != glm::vec3(0) && pixel.width > 0)
+                ++by_evenness[pixel.even == 0 ? 0 : pixel.uneven > 0 ? 1 : 2];
         }
+    for (const int pixels : by_evenness) EXPECT_GT(pixels, 20);
+}
+
+TEST(LobeFilter, KeptRaysAreThoseThatWereCast)
+{
+    Random random(3, 4);
+    const auto number = [&] { return random.uniform(-1, 1); };
+    float farthest = 0, worst = 0;
+    for (int i = 0; i < 100000; ++i) {
+        const glm::vec3 direction = glm::normalize(glm::vec3(number(), number(), number()));
+        const glm::vec3 found = trace::unpack_direction(trace::pack_direction(direction));
+        farthest = std::max(farthest, glm::length(found - direction));
+        EXPECT_NEAR(glm::length(found), 1, 1e-6f);
+        const glm::vec3 color = std::exp(60 * number()) * glm::abs(glm::vec3(number(), number(), number()));
+        const glm::vec3 apart = glm::abs(trace::unpack_color(trace::pack_color(color)) - color);
+        worst = std::max(worst, std::max({apart.x, apart.y, apart.z}) / std::max({color.x, color.y, color.z}));
+    }
+    EXPECT_LT(farthest, 5e-5f);
+    EXPECT_LT(worst, 1.3e-4f);
+    for (const glm::vec3& axis : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(0, 0, 1)})
+        for (const float sign : {-1.0f, 1.0f})
+            EXPECT_EQ(trace::unpack_direction(trace::pack_direction(sign * axis)), sign * axis);
+    for (const float value : {0.0f, 1.0f, 0x1p-90f, 0x1p100f})
+        EXPECT_EQ(trace::unpack_color(trace::pack_color({value, 0, value})), glm::vec3(value, 0, value));
+    for (const float value : {1e-20f, 1e30f, 3e38f, 0x1.fffffep0f})
+        EXPECT_NEAR(trace::unpack_color(trace::pack_color({0, value, 0})).y / value, 1, 1.3e-4f) << value;
+    EXPECT_EQ(trace::unpack_color(trace::pack_color({-1, -1, -1})), glm::vec3(0));
+}
+
+// A pixel of whose samples some have no rays has the light of those that do.
+TEST(LobeFilter, SamplesWithoutRaysGetTheLightOfOthers)
+{
+    trace::LobeImage image({1, 1}, 1);
+    image.at(0, 0).weight = {4, 2, 1};
+    trace::LobeRay ray;
+    ray.direction = {0, 0, 1}, ray.weight = {1, 0.5f, 0.25f}, ray.light = {3, 2, 1};
+    image.set_rays(0, 0, std::vector<std::uint32_t>{0}, std::vector{ray});
+    EXPECT_EQ(image.gathered(0, 0), glm::vec3(12, 8, 4));
+    EXPECT_EQ(image.bytes_of_rays(), sizeof(trace::PackedLobeRay));
+}
+
+// Pixels that see a bright disk on a wall by rays of their lobes, and what each would find by 4,096 rays.
+struct DiskImage {
+    static constexpr int k_size = 16;
+    trace::LobeImage image{{k_size, k_size}, k_size};
+    std::vector<float> truth;
+
+    /// @param turn      of the normal from pixel to pixel
+    /// @param distance  of the wall
+    /// @param radius    of the disk
+    DiskImage(float turn, float distance, float radius)
+    {
+        constexpr int k_rays = 16;
+        constexpr float k_step = 0.02f;
+        const auto radiance = [&](const glm::vec3& from, const glm::vec3& direction) {
+            const glm::vec3 place = from + direction * ((distance - from.z) / direction.z);
+            return glm::length(glm::vec2(place.x - 0.67f * radius, place.y)) < radius ? 1.0f : 0.0f;
+        };
+        std::vector<std::uint32_t> pixels;
+        std::vector<trace::LobeRay> rays;
+        std::array<shading::LobeRay, 4096> many;
+        for (int y = 0; y < k_size; ++y)
+            for (int x = 0; x < k_size; ++x) {
+                const auto right = static_cast<float>(x - 8), down = static_cast<float>(y - 8);
+                shading::SurfacePoint s = surface(0.45f, 1);
+                s.specular = glm::vec3(1), s.to_viewer = {0, 0, 1};
+                s.normal = glm::normalize(glm::vec3(turn * right, turn * down, 1));
+                s.geometric_normal = s.smooth_normal = s.normal;
+                trace::LobePixel& pixel = image.at(x, y);
+                pixel.weight = glm::vec3(1), pixel.position = k_step * glm::vec3(right, down, 0);
+                pixel.axis = 2 * glm::dot(s.normal, s.to_viewer) * s.normal - s.to_viewer, pixel.footprint = k_step;
+                pixel.set_lobe(s.normal, s.to_viewer, shading::lobe_width(s.roughness),
+                               shading::glossy_density(s, pixel.axis));
+                const auto find = [&](std::uint32_t first, std::span<shading::LobeRay> found) {
+                    float sum = 0;
+                    const std::size_t count = shading::lobe_rays(s, first, glm::uvec2(0), false, found);
+                    for (std::size_t k = 0; k < count; ++k)
+                        sum += found[k].weight.x * radiance(pixel.position, found[k].direction);
+                    return std::pair(sum, count);
+                };
+                truth.push_back(find(4096, many).first);
+                const std::size_t count =
+                    find(shading::lobe_block(x, y) * k_rays, std::span(many).first(k_rays)).second;
+                for (std::size_t k = 0; k < count; ++k) {
+                    const glm::vec3 direction = many[k].direction;
+                    trace::LobeRay& ray = rays.emplace_back();
+                    pixels.push_back(static_cast<std::uint32_t>(y * k_size + x));
+                    ray.direction = direction, ray.nearness = direction.z / distance;
+                    ray.normal = {0, 0, -1};
+                    ray.weight = many[k].weight, ray.light = ray.weight * radiance(pixel.position, direction);
+                }
+            }
+        image.set_rays(0, 0, pixels, rays);
+    }
+};
+
+// What a pixel's neighbours have found tells it what it would find itself, although their lobes point elsewhere and
+// start elsewhere: here the pixels differ by more than half of their light.
+TEST(LobeFilter, RaysOfNeighboursCountByThePixelsOwnLobe)
+{
+    const DiskImage disk(0.05f, 0.5f, 0.15f);
+    double error = 0, all = 0, spread = 0;
+    for (int y = 4; y < 12; ++y)
+        for (int x = 4; x < 12; ++x) {
+            const float right = disk.truth[static_cast<std::size_t>(y * disk.k_size + x)];
+            error += std::abs(disk.image.gathered(x, y).x - right), all += right;
+            spread += std::abs(right - disk.truth[static_cast<std::size_t>(8 * disk.k_size + 8)]);
+        }
+    EXPECT_GT(spread / all, 0.2);
+    EXPECT_LE(error / all, 0.15);
+    RecordProperty("error", std::to_string(error / all));
+}
+
+// Where the lobes around are nearly the same, rays count alike, as they would by their densities.
+TEST(LobeFilter, RaysOfFlatPartsCountAlike)
+{
+    trace::LobeFilterOptions by_densities;
+    by_densities.even_alike = 0, by_densities.even_unlike = 1e-4f;
+    for (const float turn : {0.0005f, 0.0015f, 0.0025f}) {
+        DiskImage disk(turn, 8, 1.2f);
+        float worst = 0, error = 0, error_by_densities = 0, all = 0, even = 0;
+        for (int y = 4; y < 12; ++y)
+            for (int x = 4; x < 12; ++x) {
+                const float right = disk.truth[static_cast<std::size_t>(y * disk.k_size + x)];
+                const float exact = disk.image.gathered(x, y, by_densities).x, found = disk.image.gathered(x, y).x;
+                worst = std::max(worst, std::abs(found / exact - 1)), all += right;
+                error += std::abs(found - right), error_by_densities += std::abs(exact - right);
+            }
+        ImageF color(disk.k_size, disk.k_size, 3);
+        Tasks tasks(1);
+        disk.image.add_to(color, 1, tasks);
+        for (int y = 4; y < 12; ++y)
+            for (int x = 4; x < 12; ++x) even += std::as_const(disk.image).at(x, y).even / 64;
+        EXPECT_GT(even, 0.1f) << turn;
+        EXPECT_LE(worst, 0.015f) << turn;
+        EXPECT_LE(error, error_by_densities) << turn;
+        RecordProperty("even_" + std::to_string(turn), std::to_string(even));
+        RecordProperty("worst_" + std::to_string(turn), std::to_string(worst));
+        RecordProperty("error_" + std::to_string(turn),
+                       std::to_string(error / all) + " by densities " + std::to_string(error_by_densities / all));
+    }
 }
 
 TEST(LobeFilter, PixelsWithoutNeighboursAlikeCastMoreRays)
@@ -443,13 +674,13 @@ TEST(LobeFilter, PixelsWithoutNeighboursAlikeCastMoreRays)
     // On a ball, axes turn from pixel to pixel.
     trace::LobeImage ball = plane(32, 0.2f);
     float last = options.least_rays;
-    for (const float turn : {0.06f, 0.1f, 1.0f}) {
+    for (const float turn : {0.02f, 0.5f, 1.0f}) {
         for (int y = 0; y < 32; ++y)
             for (int x = 0; x < 32; ++x)
                 ball.at(x, y).axis =
                     glm::normalize(glm::vec3(turn * static_cast<float>(x - 16), turn * static_cast<float>(y - 16), 1));
         const float wanted = ball.rays_wanted(16, 16, 0, 0, 32, 32);
-        if (turn < 0.5f)
+        if (turn < 1)
             EXPECT_GT(wanted, last) << turn;
         else
             EXPECT_EQ(wanted, options.own_rays);   // a lobe that is narrow beside a pixel
@@ -467,24 +698,30 @@ TEST(LobeFilter, NeighboursCountByTheWeightsOfTheirRays)
             pixel.light = pixel.weight * (x % 2 == 0 ? 1.0f : 3.0f);
             pixel.rays = x % 2 == 0 ? 1.0f : 0.25f;
         }
-    EXPECT_NEAR(image.filtered(16, 16).x, 0.5f * (1 + 3 * 0.25f) / 1.25f, 1e-5f);
+    add_rays(image, 32, 32);
+    EXPECT_NEAR(image.gathered(16, 16).x, 0.5f * (1 + 3 * 0.25f) / 1.25f, 1e-5f);
 }
 
 TEST(LobeFilter, KeepsApartWhatReflectsOtherSurroundings)
 {
-    trace::LobeImage image = plane(32, 0.2f);
-    for (int y = 0; y < 32; ++y)
-        for (int x = 0; x < 32; ++x) {
-            trace::LobePixel& pixel = image.at(x, y);
-            pixel.light = pixel.weight * (x < 16 ? 1.0f : 3.0f);
-            if (x >= 16) pixel.axis = glm::normalize(glm::vec3(0.3f, 0, 1));
-        }
-    EXPECT_NEAR(image.filtered(15, 16).x, 0.5f, 1e-5f);
-    EXPECT_NEAR(image.filtered(16, 16).x, 1.5f, 1e-5f);
+    const auto halves = [](float step) {
+        trace::LobeImage image = plane(32, 0.05f);
+        for (int y = 0; y < 32; ++y)
+            for (int x = 0; x < 32; ++x) {
+                trace::LobePixel& pixel = image.at(x, y);
+                pixel.light = pixel.weight * (x < 16 ? 1.0f : 3.0f);
+                pixel.position.x *= step;
+                if (x >= 16) set_axis(pixel, {0.5f, 0, 1}, 0.05f);
+            }
+        add_rays(image, 32, 32);
+        return image;
+    };
+    const trace::LobeImage image = halves(1);
+    EXPECT_NEAR(image.gathered(15, 16).x, 0.5f, 1e-5f);
+    EXPECT_NEAR(image.gathered(16, 16).x, 1.5f, 1e-5f);
     // So does what lies farther away than some pixels.
-    for (int y = 0; y < 32; ++y)
-        for (int x = 0; x < 32; ++x) image.at(x, y).position.x = 10 * static_cast<float>(x);
-    EXPECT_EQ(image.filtered(14, 16).x, image.at(14, 16).light.x);
+    const trace::LobeImage apart = halves(1000);
+    EXPECT_EQ(apart.gathered(14, 16).x, apart.at(14, 16).light.x);
 }
 
 }   // namespace
