@@ -149,13 +149,13 @@ void sum_densities_of(W& window, const LobeSharing& sharing, int y_of_tile, int 
 {
     const Floats d;
     const int y0 = y_of_tile + k_half, stride = window.stride, lanes = static_cast<int>(hn::Lanes(d));
-    window.density.assign(static_cast<std::size_t>(window.rays_of_row[static_cast<std::size_t>(y0)] * window.padded),
-                          0);
+    const int listed = window.rays_of_row[static_cast<std::size_t>(y0)];
+    window.density.assign(static_cast<std::size_t>(listed * window.padded), 0);
     for (int at = first / lanes * lanes; at < end; at += lanes) {
         const int x0 = at + k_half;
         const V count = load(window.row(W::count, y0) + x0);
         int most = 0;
-        while (!hn::AllFalse(d, hn::Gt(count, hn::Set(d, static_cast<float>(most))))) ++most;
+        while (most < listed && !hn::AllFalse(d, hn::Gt(count, hn::Set(d, static_cast<float>(most))))) ++most;
         for_each_neighbour(window, sharing, x0, y0, [&](int x, int y, const Vector3& apart, V, V share) HWY_ATTR {
             const Lobe lobe = lobe_at(window, x, y);
             const Vector3 from{hn::Neg(apart.x), hn::Neg(apart.y), hn::Neg(apart.z)};

@@ -7,6 +7,7 @@
 #include <bit>
 #include <utility>
 
+#include "base/check.h"
 #include "base/interruption.h"
 #include "base/morton.h"
 #include "base/random.h"
@@ -406,8 +407,9 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample, bo
         if (path.lobe.rays > 0) shading::widen_lobe(rays_.geometry(hits_.object[i]), hits_.triangle[i], point.surface);
         point.parts = path.parts, point.splits = path.splits;
         const shading::SurfacePoint& s = point.surface;
-        if (bounce_ == 0 && path.lobe.light != 0 && !kept_rays_.empty()) {
+        if (bounce_ == 0 && path.lobe.light != 0 && keeps_lobe_rays()) {
             // Note where the ray of a lobe ends.
+            GNOMON_CHECK(path.lobe.light <= kept_rays_.size());
             LobeRay& ray = kept_rays_[path.lobe.light - 1];
             ray.nearness = 1 / std::max(hits_.t[i], k_least_lobe_length);
             ray.normal = s.geometric_normal;
@@ -839,7 +841,7 @@ void TileTracer::keep_lobes(int sample)
         if (refinement_ && take_lobe(point, shadow_points_[static_cast<std::size_t>(&point - points_.data())]))
             continue;
         lobe_points_.push_back(point);
-        if (!lobes_ || shades_further()) continue;
+        if (!keeps_lobe_rays()) continue;
         const glm::ivec2 at = pixel_of_image(point.pixel);
         LobePixel& pixel = lobes_->at(at.x, at.y);
         const glm::vec3 weight = point.throughput * point.next.lobe_weight;
@@ -853,14 +855,14 @@ void TileTracer::keep_lobes(int sample)
         pixel.footprint = s.cone.width / std::max(glm::dot(s.geometric_normal, s.to_viewer), k_least_cosine);
     }
     // Rays that are kept have sums of their own.
-    if (!lobe_points_.empty() && lobe_light_.empty() && !(lobes_ && !shades_further()))
+    if (!lobe_points_.empty() && lobe_light_.empty() && !keeps_lobe_rays())
         lobe_light_.assign(color_.size() * (options_.random_lobes ? k_lobe_batches : 1), glm::vec3(0));
 }
 
 // How many rays a primary hit's lobe has: few where the filter adds those of many neighbours.
 std::uint32_t TileTracer::number_of_lobe_rays(const glm::ivec2& pixel, std::uint32_t most)
 {
-    if (!lobes_ || shades_further() || options_.random_lobes) return most;
+    if (!keeps_lobe_rays() || options_.random_lobes) return most;
     LobeFilterOptions options;
     if (sees_image_) options.least_by_turn = 0;   // rays show means of the image
     const float wanted =
@@ -880,7 +882,7 @@ void TileTracer::trace_lobes(int sample, Stopwatch& watch)
     // bound. The first ones are as well distributed over the pixel as all are.
     const int casting = std::min(options_.samples, options_.lobe_rays);
     const auto samples = static_cast<std::uint32_t>(power_of_two_from(casting));
-    const bool keeps = lobes_ && !shades_further();
+    const bool keeps = keeps_lobe_rays();
     for (std::size_t begin = 0; begin < lobe_points_.size();) {
         next_reflected_.clear(), next_refracted_.clear();
         for (; begin < lobe_points_.size() && next_reflected_.rays.size() < k_lobe_rays_at_once; ++begin) {

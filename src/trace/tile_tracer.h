@@ -168,6 +168,8 @@ class TileTracer {
     void clear_points();
     PointBatch batch(bool primary, int sample) const;
     bool shades_further() const { return refinement_ || blur_; }
+    /// Whether rays of lobes are kept for the filter: not those of further samples, which are not filtered.
+    bool keeps_lobe_rays() const { return lobes_ && !shades_further(); }
     void queue_primary(int sample);
     void queue_camera_ray(std::uint32_t pixel, const glm::vec2& at);
     void shade_sample(int sample, Stopwatch& watch);
