@@ -421,17 +421,17 @@ void TriangleTree::build(const std::deque<GeometryRecord>& records, Tasks* tasks
 
     // Build the top of the tree, then what lies below, each part by itself.
     const Splitter splitter(items, k_leaf_triangles, k_triangle_cost);
+    const Range all = splitter.all();
+    box_ = all.box;
     std::vector<TreePart> parts(1);
-    parts[0].range = splitter.all();
-    box_ = parts[0].range.box;
+    parts[0].range = all;
     const bool large = items.size() > k_part_items;
     if (large) {
         TreePart top;
         Builder(Splitter(items, k_leaf_triangles, k_triangle_cost, tasks), top.nodes, top.leaf())
-            .build_top(parts[0].range, k_part_items,
-                       [&](std::uint32_t node, unsigned child, const Range& range, int depth) {
-                           parts.push_back({range, depth, node, child, {}, {}, 0});
-                       });
+            .build_top(all, k_part_items, [&](std::uint32_t node, unsigned child, const Range& range, int depth) {
+                parts.push_back({range, depth, node, child, {}, {}, 0});
+            });
         parts[0] = std::move(top);
     }
     for_each(tasks, parts.size(), [&](std::size_t i) {
