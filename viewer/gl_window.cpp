@@ -51,6 +51,7 @@ GlWindow::GlWindow(Size size, float beside, const std::string& title)
 
 GlWindow::~GlWindow()
 {
+    if (source_) glDeleteFramebuffers(1, &source_);
     if (texture_) glDeleteTextures(1, &texture_);
     if (ui_) {
         ImGui_ImplOpenGL3_Shutdown();
@@ -71,28 +72,31 @@ void GlWindow::start_ui()
     ui_ = true;
 }
 
-void GlWindow::show(const Image8& image)
+void GlWindow::draw(const Image8& image, std::uint64_t number, int left, int top, Size size)
 {
+    if (size.width < 1 || size.height < 1) return;
     if (!texture_) {
         glGenTextures(1, &texture_);
+        glGenFramebuffers(1, &source_);
+    }
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, source_);
+    if (number != number_ || !(size == texture_size_)) {
+        const std::vector<std::uint8_t>& texels = stretcher_.stretched(image, size);
         glBindTexture(GL_TEXTURE_2D, texture_);
-        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-        glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+        glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+        if (size == texture_size_)
+            glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size.width, size.height, GL_BGRA, GL_UNSIGNED_BYTE, texels.data());
+        else
+            glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, size.width, size.height, 0, GL_BGRA, GL_UNSIGNED_BYTE,
+                         texels.data());
+        glFramebufferTexture2D(GL_READ_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_, 0);
+        texture_size_ = size, number_ = number;
     }
-    glBindTexture(GL_TEXTURE_2D, texture_);
-    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-    const Size size{image.width, image.height};
-    if (size == texture_size_) {
-        glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size.width, size.height, GL_RGB, GL_UNSIGNED_BYTE, image.data.data());
-        return;
-    }
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, size.width, size.height, 0, GL_RGB, GL_UNSIGNED_BYTE, image.data.data());
-    texture_size_ = size;
-}
-
-ImTextureID GlWindow::texture() const
-{
-    return reinterpret_cast<ImTextureID>(static_cast<std::uintptr_t>(texture_));
+    // The texture's first row is the top one; OpenGL counts from the bottom.
+    const int bottom = framebuffer().height - top - size.height;
+    glBlitFramebuffer(0, size.height, size.width, 0, left, bottom, left + size.width, bottom + size.height,
+                      GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
 }
 
 Size GlWindow::framebuffer() const

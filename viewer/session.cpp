@@ -367,6 +367,8 @@ void ViewSession::render_loop(const std::stop_token& stop)
         }
         try {
             if (publish(render(scene, request, refines), request, refines)) continue;
+            // Leave the processor to the window while it shows an image in motion and asks for the next one.
+            if (request.rays && asked_soon(stop)) continue;
             // Prove results for later frames until the next request comes.
             renderer_.improve([&] {
                 const std::lock_guard lock(mutex_);
@@ -377,6 +379,15 @@ void ViewSession::render_loop(const std::stop_token& stop)
             fail(number, e.what());
         }
     }
+}
+
+// Waits a moment for a request.
+// @return  whether one came
+bool ViewSession::asked_soon(const std::stop_token& stop)
+{
+    constexpr std::chrono::milliseconds k_moment{40};
+    std::unique_lock lock(mutex_);
+    return to_render_.wait_for(lock, stop, k_moment, [&] { return request_.has_value(); }) || stop.stop_requested();
 }
 
 // Makes an image the newest one, and requests its frame again for the light that is missing. An image that a newer
@@ -431,14 +442,18 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     const bool prepares = bounces && prepared_ != wanted && options.shadow_culling != ShadowCulling::paper;
     const bool early = prepares && request.early && !refines;
     if (early) options.indirect = Indirect::off, options.shadow_culling = ShadowCulling::off;
+    const bool in_motion = request.rays && !request.whole && !refines;
+    if (in_motion) options.max_depth = std::min(options.max_depth, k_depth_in_motion);
     renderer_.set_options(options);
     FrameInput input;
     input.time = request.time;
     input.camera = request.orbit;
     input.turn = request.turn;
-    input.indirect_ray_limit = request.whole ? 0 : rays_a_frame_;
-    if (!request.whole && !refines && request.rays)
-        input.indirect_ray_limit = std::clamp<std::uint64_t>(*request.rays, 1, rays_a_frame_);
+    // Where nothing moves, cast more and more rays: each image is traced anew, and can be interrupted.
+    constexpr int k_most_doublings = 8;
+    refined_ = refines ? std::min(refined_ + 1, k_most_doublings) : 0;
+    input.indirect_ray_limit = request.whole ? 0 : rays_a_frame_ << refined_;
+    if (in_motion) input.indirect_ray_limit = std::clamp<std::uint64_t>(*request.rays, 1, rays_a_frame_);
     hand_over_overrides(*scene, request, input);
 
     // Render the frame; a newer request interrupts it if it only refines what is shown.

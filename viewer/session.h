@@ -134,6 +134,7 @@ class ViewSession {
  public:
     /// About 50 ms on two cores.
     static constexpr std::uint64_t k_rays_a_frame = 1u << 18;
+    static constexpr int k_depth_in_motion = 3;   // reflections and refractions in a row of images in motion, at most
     /// @param rays_a_frame  limit of an image's rays of indirect light; the missing light comes with the next image
     /// @param changed       called from threads of the session when it has news: an image, a scene, an error, progress
     explicit ViewSession(int threads, std::uint64_t rays_a_frame = k_rays_a_frame, std::function<void()> changed = {});
@@ -163,6 +164,8 @@ class ViewSession {
     void render_loop(const std::stop_token& stop);
     std::shared_ptr<ViewImage> render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request,
                                       bool refines);
+    int refined_ = 0;   // images of this request so far
+    bool asked_soon(const std::stop_token& stop);
     bool publish(std::shared_ptr<ViewImage> image, ViewRequest& request, bool refines);
     void hand_over_overrides(const Scene& scene, const ViewRequest& request, FrameInput& input);
     Picked pick(const Scene& scene, const Frame& frame, const glm::vec2& place);

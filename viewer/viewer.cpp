@@ -83,7 +83,7 @@ void Viewer::Impl::frame(double seconds)
     ImGui::NewFrame();
     follow_mouse();
     fly(seconds);
-    draw_image();
+    draw_outline();
     if (const auto shown = gizmo()) object_handles.draw(*shown, pressed < 0);
     const PanelEvents events =
         panel.draw(settings, playback, overrides, scene.get(), image.get(), load, own_camera, recorder.recording());
@@ -92,11 +92,14 @@ void Viewer::Impl::frame(double seconds)
     if (events.screenshot) screenshot();
     if (events.record) toggle_recording();
     if (events.scene_camera) own_camera = false, dirty = true;
-    ask();
 
-    // Draw the frame where it shows something new.
+    // Draw the frame where it shows something new. Without a graphics card, drawing and rendering take turns on the
+    // same cores: what is there is shown before the next image is requested.
     ImGui::Render();
-    if (pace.draws(new_image, Clock::now())) draw(start, new_image);
+    if (pace.draws(new_image, Clock::now()))
+        draw(start, new_image);
+    else
+        ask();
 }
 
 // @param start  of the frame
@@ -107,6 +110,7 @@ void Viewer::Impl::draw(Clock::time_point start, bool new_image)
     glViewport(0, 0, size.width, size.height);
     glClearColor(0.08f, 0.08f, 0.09f, 1);
     glClear(GL_COLOR_BUFFER_BIT);
+    draw_image();
     ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
     glFinish();
     // Its time ends before the swap, which may wait for the screen.
@@ -114,6 +118,7 @@ void Viewer::Impl::draw(Clock::time_point start, bool new_image)
     pace.drawn(drawing, finished);
     summary.longest_ms = std::max(summary.longest_ms, 1000 * seconds_since(start));
     ++summary.window_frames;
+    ask();   // before the swap, for the same reason
     glfwSwapBuffers(window.handle);
     if (new_image) latency.show(image->request, Clock::now());
 }

@@ -48,21 +48,21 @@ bool Viewer::Impl::take_image()
     const auto next = session.image(image ? image->number : 0);
     if (!next) return false;
     image = next;
-    window.show(image->image);
     panel.add(image->times);
     image_ms.push_back(image->times.total());
     ++summary.images;
     if (image->picked && image->scene == scene) panel.picked = image->picked;
     // Let the first image of a request in motion decide how large the next one is.
     std::erase_if(moving, [&](const auto& asked) {
-        if (asked.first == image->request)
-            motion_size.add(asked.second,
+        if (asked.request == image->request && asked.other_time) clip_pace.took(image->times.fixed);
+        if (asked.request == image->request)
+            motion_size.add(asked.divisor,
                             {.ms = image->times.total(),
                              .fixed_ms = image->times.fixed,
                              .light_ms = image->times.ms[ViewTimes::indirect] - image->times.light_maps,
                              .rays = image->frame.counters.indirect.rays},
                             holds() ? MotionSize::k_held_ms : MotionSize::k_playing_ms);
-        return asked.first <= image->request;
+        return asked.request <= image->request;
     });
     // Save the image if it is the requested screenshot or the next frame of the recording.
     const bool finished = image->frame.complete && image->scene == scene;
@@ -99,12 +99,13 @@ void Viewer::Impl::ask()
     if (recorder.recording()) playback.frame = std::floor(playback.frame);
     const Size size = recorder.recording() ? video_size : view_size();
     if (size.width < 1 || size.height < 1) return;   // iconified
-    const double time = playback.time(*scene);
+    const bool whole = recorder.recording() || wants_screenshot;
+    const bool holds_clip = playback.playing && holds() && !whole && image && image->scene == scene;
+    const double time = holds_clip && !clip_pace.goes_on(Clock::now()) ? requested_time : playback.time(*scene);
     const bool moved =
         dirty || time != requested_time || !(size == requested_size) || overrides.list != requested_overrides;
     if (moved) moved_at = Clock::now();
     const bool sharper = !moved && requested_divisor > 1 && (!holds() || seconds_since(moved_at) > k_rest_seconds);
-    const bool whole = recorder.recording() || wants_screenshot;
     if (!moved && !sharper) return;
     // What a scene's first image waits for is no input.
     const bool asked = dirty || overrides.list != requested_overrides;
@@ -141,13 +142,15 @@ void Viewer::Impl::ask()
 
     // Remember the request, and send it.
     requested_whole = whole;
+    const bool other_time = time != requested_time;
+    if (other_time) clip_pace.went_on(Clock::now());
     requested_time = time;
     requested_size = size;
     requested_overrides = overrides.list;
     dirty = false;
     const std::uint64_t number = session.ask(std::move(request));
     latency.ask(number);
-    if (!whole && !sharper) moving.emplace_back(number, requested_divisor);
+    if (!whole && !sharper) moving.push_back({number, requested_divisor, other_time});
     if (wants_screenshot) shot_request = number;
     if (recorder.recording()) video_request = number;
 }
@@ -183,16 +186,26 @@ std::optional<glm::vec2> Viewer::Impl::image_place(const glm::vec2& at) const
     return fraction;
 }
 
-void Viewer::Impl::draw_image() const
+// Draws the image below everything else.
+void Viewer::Impl::draw_image()
 {
     if (!image) return;
     const Placed place = placed();
-    const glm::vec2 end = place.corner + place.factor * glm::vec2(image->frame.size.width, image->frame.size.height);
+    const float pixels = ImGui::GetIO().DisplayFramebufferScale.x;   // per unit of the window's coordinates
+    const glm::vec2 size = place.factor * glm::vec2(image->frame.size.width, image->frame.size.height);
+    const glm::ivec2 low(glm::round(pixels * place.corner)), high(glm::round(pixels * (place.corner + size)));
+    window.draw(image->image, image->number, low.x, low.y, {high.x - low.x, high.y - low.y});
+}
+
+// Outlines the picked object, above the image and below the panels.
+void Viewer::Impl::draw_outline() const
+{
+    if (!image) return;
+    const Placed place = placed();
     ImDrawList* const draw = ImGui::GetBackgroundDrawList();
-    draw->AddImage(window.texture(), {place.corner.x, place.corner.y}, {end.x, end.y});
     if (image->scene != scene || recorder.recording()) return;
 
-    // Outline the picked object: dark below bright, to be seen before anything.
+    // Dark below bright, to be seen before anything.
     const glm::vec2 corner = place.corner + place.factor * glm::vec2(image->frame.view_left, image->frame.view_top);
     for (const auto& [color, width] : {std::pair{k_outline_below, 3.0f}, std::pair{k_outline, 1.0f}})
         for (const OutlineEdge& edge : image->outline) {

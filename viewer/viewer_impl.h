@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "viewer/clip_pace.h"
 #include "viewer/gl_window.h"
 #include "viewer/input_queue.h"
 #include "viewer/latency.h"
@@ -54,8 +55,14 @@ struct Viewer::Impl {
     MotionSize motion_size;
     int requested_divisor = 1;
     bool requested_whole = false;
-    std::vector<std::pair<std::uint64_t, int>> moving;   // requests in motion without an image yet, and their divisors
-    Clock::time_point moved_at{};                        // when something changed last
+    struct Moving {
+        std::uint64_t request;
+        int divisor;
+        bool other_time;   // than that of the request before
+    };
+    std::vector<Moving> moving;     // requests in motion without an image yet
+    ClipPace clip_pace;             // while the user moves the view
+    Clock::time_point moved_at{};   // when something changed last
     Latency latency;
     bool wants_screenshot = false;
     std::uint64_t shot_request = 0, video_request = 0;   // requests for a screenshot and for the video's next frame
@@ -91,7 +98,8 @@ struct Viewer::Impl {
     bool take_image();
     bool holds() const;
     void ask();
-    void draw_image() const;
+    void draw_image();
+    void draw_outline() const;
     /// The size of the view, which is the window without the docked panel, in pixels.
     Size view_size() const;
     struct Placed {

@@ -2,34 +2,15 @@
 #pragma once
 // The state of a frame that all steps of the irradiance cache read.
 
-#include <atomic>
-
 #include "irradiance_cache/cache_options.h"
 #include "irradiance_cache/near_field/near_field.h"
 #include "irradiance_cache/points/anchors.h"
+#include "irradiance_cache/points/rough_light.h"
 #include "irradiance_cache/points/sky_light.h"
 #include "irradiance_cache/points/triangle_clusters.h"
+#include "irradiance_cache/ray_budget.h"
 
 namespace gnomon::irradiance_cache {
-
-/// Limits the rays that a frame casts for new points. Thread-safe.
-class RayBudget {
- public:
-    /// @param rays  per frame; 0: no limit
-    void limit(std::uint64_t rays) { limit_ = rays; }
-    bool limited() const { return limit_ > 0; }
-    void begin_frame() { spent_ = 0, deferred_ = false; }
-    void spend(std::uint64_t rays) { spent_ += rays; }
-    bool exhausted() const { return limit_ > 0 && spent_.load(std::memory_order_relaxed) >= limit_; }
-    /// Some points of this frame were deferred to a later one.
-    void note_deferred() { deferred_ = true; }
-    bool any_deferred() const { return deferred_; }
-
- private:
-    std::uint64_t limit_ = 0;
-    std::atomic<std::uint64_t> spent_ = 0;
-    std::atomic<bool> deferred_ = false;
-};
 
 /// References to the cache's parts, and the numbers of the current frame. The steps read them; of what they refer to,
 /// the clusters, the hints of the near field and the budget are thread-safe and may change.
@@ -43,12 +24,12 @@ struct CacheFrame {
     TriangleClusters& clusters;
     NearField& near_field;
     RayBudget& budget;
+    const RoughLight& rough;   // if rays are limited
 
     const scene::SceneState* state = nullptr;
     const ray::RayScene* rays = nullptr;
     std::uint32_t number = 0;            // counts frames from 1 on
     std::uint32_t dynamic_version = 1;   // counts the frames in which a dynamic object changed
-    glm::vec3 average{0};                // mean irradiance of the last frame, if rays are limited
 
     /// How far a level of detail has faded in: 0 where it begins, 1 from `level_blend` beyond that.
     float fade_in(float beyond) const

@@ -27,8 +27,10 @@ struct IrradianceCache::Batch::Scratch {
     NearEvaluator near_evaluation;
     Interpolator interpolator;
     NearFieldStep near_field;
-    glm::dvec3 light_sum{0};   // of light_count pixels, if rays are limited
-    std::uint64_t light_count = 0;
+    // If rays are limited: of the claimed points, new ones and those on moving objects; and what arrives at some
+    // pixels.
+    std::vector<CachePoint*> fresh, moved;
+    std::vector<RoughLight::Sample> light_samples;
 };
 
 IrradianceCache::Batch::Batch(PointTable& table) : scratch_(std::make_unique<Scratch>(table)) {}
@@ -43,6 +45,7 @@ IrradianceCache::IrradianceCache(const scene::SceneState& state, const ray::RayS
       casters_(state),
       triangles_(state.scene()),
       near_field_(options_),
+      rough_(rays.bounds()),
       frame_{.options = options_,
              .lights = lights_,
              .dynamic_bounds = dynamic_bounds_,
@@ -52,6 +55,7 @@ IrradianceCache::IrradianceCache(const scene::SceneState& state, const ray::RayS
              .clusters = clusters_,
              .near_field = near_field_,
              .budget = budget_,
+             .rough = rough_,
              .state = &state,
              .rays = &rays},
       evaluator_(std::make_unique<CpuEvaluator>(table_))
@@ -100,7 +104,28 @@ void IrradianceCache::update(const scene::SceneState& state, const ray::RayScene
     if (first || lights_.geometry_changed()) near_field_.update(lights_);
     if (first || thins_otherwise || !changes.changed.empty()) follow_dynamic_objects(first || thins_otherwise);
     evaluator_->begin_frame(frame_);
+    if (budget_.limited() && rough_.empty()) begin_rough_light();
     updating_ = false;
+}
+
+// Begins with what the patches receive, if there are any: by and by, pixels tell more exactly.
+void IrradianceCache::begin_rough_light()
+{
+    constexpr float k_black = 0.05f;   // an albedo that tells little of the light
+    const PatchLight* const light = lights_.patch_light();
+    if (!light) return;
+    std::vector<RoughLight::Sample> samples;
+    const std::span<const patches::Patch> patches = light->patches().patches();
+    for (std::size_t p = 0; p < patches.size(); ++p) {
+        const glm::vec3 albedo = light->albedo()[p];
+        if (!(luminance(albedo) > k_black) || !(patches[p].area > 0)) continue;
+        const glm::vec3 exitance = light->static_flux()[p] / patches[p].area;
+        glm::vec3 arrives(luminance(exitance) / luminance(albedo));
+        for (int colour = 0; colour < 3; ++colour)
+            if (albedo[colour] > k_black) arrives[colour] = exitance[colour] / albedo[colour];
+        samples.push_back({patches[p].position, patches[p].normal, arrives});
+    }
+    rough_.note(samples);
 }
 
 // A static object became dynamic: what points saw past it, and where they lie, is void.
@@ -240,10 +265,22 @@ bool IrradianceCache::shade_points(Batch::Scratch& own, std::span<const Indirect
         own.pixels.fill(work.near_weight.data());
         if (own.near_field.select(frame_, points, work, failure_, counters)) add_near_field(own, points, irradiance);
     }
-    if (!budget_.limited()) return true;
-    for (std::size_t i = 0; i < points.size(); ++i) own.light_sum += irradiance[i];
-    own.light_count += points.size();
+    if (budget_.limited()) note_light(own, points, irradiance);
     return true;
+}
+
+// Notes what arrives at some of the computed pixels that lack nothing, for pixels that lack points.
+void IrradianceCache::note_light(Batch::Scratch& own, std::span<const IndirectPoint> points,
+                                 const glm::vec3* irradiance)
+{
+    constexpr std::size_t k_samples = 64;   // of a batch
+    const std::span<const std::uint32_t> computed = own.pixels.computed();
+    const std::size_t step = std::max<std::size_t>(computed.size() / k_samples, 1);
+    for (std::size_t c = 0; c < computed.size(); c += step) {
+        const std::uint32_t i = computed[c];
+        if (own.work.dynamic[i] || own.work.deferred[i]) continue;
+        own.light_samples.push_back({points[i].position, points[i].normal, irradiance[i]});
+    }
 }
 
 // Adds the selected light from surfaces so near that the light tree cannot tell them apart.
@@ -263,28 +300,48 @@ void IrradianceCache::evaluate_claimed(Batch::Scratch& own)
 {
     if (!own.claims.claimed().empty()) {
         CacheCounters& counters = own.evaluation.counters;
-        const std::uint64_t before = counters.rays;
-        if (budget_.exhausted()) defer_new_points(own.claims);
+        const auto rays = [&] { return counters.rays + own.evaluation.expected_rays; };
+        const std::uint64_t before = rays();
+        const std::size_t granted = budget_.limited() ? defer_points(own) : 0;
         own.placer.place(frame_, own.claims.claimed());
         table_.grew(own.near_evaluation.evaluate(frame_, own.claims.claimed(), counters));
         evaluator_->evaluate(frame_, own.claims.claimed(), own.evaluation);
         own.claims.publish();
-        budget_.spend(counters.rays - before);
+        if (budget_.limited()) budget_.settle(granted, rays() - before);
     }
     own.claims.wait(failure_);
 }
 
-// Leaves new points to a later frame. Points on dynamic objects are never deferred.
-void IrradianceCache::defer_new_points(PointClaims& claims)
+// Leaves points to a later frame that this one has no rays for: new ones, and those on dynamic objects, which keep the
+// light of the frame that evaluated them last.
+// @return  how many of them are left of the claimed ones
+std::size_t IrradianceCache::defer_points(Batch::Scratch& own)
 {
     const std::uint32_t version = lights_.geometry_version();
-    claims.defer_if([&](const CachePoint& point) {
-        if (point.version == version) return false;
-        const bool dynamic =
-            !is_lattice(point.key) && frame_.state->is_dynamic(triangles_.object_of(part_of(point.key).triangle));
-        if (!dynamic) budget_.note_deferred();
-        return !dynamic;
-    });
+    std::vector<CachePoint*>&fresh = own.fresh, &moved = own.moved;
+    fresh.clear(), moved.clear();
+    for (CachePoint* point : own.claims.claimed()) {
+        const bool known = point->version != 0 && point->owner != k_no_owner;
+        if (known && point->dynamic_version != frame_.dynamic_version)
+            moved.push_back(point);
+        else if (point->version != version)
+            fresh.push_back(point);
+    }
+    const std::size_t wanted = fresh.size() + moved.size(), granted = budget_.grant(wanted);
+    if (granted == wanted) return granted;
+    // Keep new points in the order of the pixels that ask for them, and of the others those whose light is oldest.
+    constexpr std::size_t k_share_of_moved = 4;
+    const std::size_t others = granted - std::min(fresh.size(), granted);
+    const std::size_t kept_moved = std::min(moved.size(), std::max(others, granted / k_share_of_moved));
+    const std::size_t kept_fresh = std::min(fresh.size(), granted - kept_moved);
+    std::ranges::nth_element(moved, moved.begin() + static_cast<std::ptrdiff_t>(kept_moved), {},
+                             [](const CachePoint* point) { return point->dynamic_version; });
+    std::vector<CachePoint*>& deferred = moved;
+    deferred.erase(moved.begin(), moved.begin() + static_cast<std::ptrdiff_t>(kept_moved));
+    deferred.insert(deferred.end(), fresh.begin() + static_cast<std::ptrdiff_t>(kept_fresh), fresh.end());
+    std::ranges::sort(deferred);
+    own.claims.defer_if([&](CachePoint& point) { return std::ranges::binary_search(deferred, &point); });
+    return kept_fresh + kept_moved;
 }
 
 void IrradianceCache::for_each(std::size_t count, std::span<const std::unique_ptr<Batch>> batches, Tasks& tasks,
@@ -307,28 +364,23 @@ void IrradianceCache::for_each(std::size_t count, std::span<const std::unique_pt
 
 void IrradianceCache::end_frame(std::span<const std::unique_ptr<Batch>> batches)
 {
-    glm::dvec3 light(0);
-    std::uint64_t count = 0;
     for (const auto& batch : batches) {
         if (!batch) continue;
         Batch::Scratch& own = *batch->scratch_;
         counters_.add(own.evaluation.counters);
         own.evaluation.counters = {};
-        light += own.light_sum, count += own.light_count;
-        own.light_sum = glm::dvec3(0), own.light_count = 0;
+        rough_.note(own.light_samples);
+        own.light_samples.clear();
         own.claims.end_frame();
     }
     if (NearHints* const hints = near_field_.hints(); hints && !failure_.any()) hints->end_frame();
-    frame_.average = count > 0 ? glm::vec3(light / static_cast<double>(count)) : glm::vec3(0);
     table_.drop_unseen(frame_.number, options_.memory, [this](const CachePoint& point) { evaluator_->release(point); });
 }
 
 bool IrradianceCache::abandon_frame()
 {
     if (updating_) return false;
-    const glm::vec3 average = frame_.average;
     end_frame({});
-    frame_.average = average;
     return true;
 }
 

@@ -74,7 +74,7 @@ class IrradianceCache {
     /// Sums the batches' counters, and drops points if they take too much memory. Null batches are skipped.
     void end_frame(std::span<const std::unique_ptr<Batch>> batches);
 
-    /// For viewers: once a frame has cast so many rays, new points are deferred to later frames, and pixels without any
+    /// For viewers: new points that a frame has no rays left for are deferred to later frames, and pixels without any
     /// get the average irradiance. 0: no limit, without which a frame depends on those before it.
     void limit_rays(std::uint64_t per_frame) { budget_.limit(per_frame); }
     /// Whether the last frame deferred points, so that rendering it again would improve it.
@@ -97,8 +97,10 @@ class IrradianceCache {
     bool shade_points(Batch::Scratch& own, std::span<const IndirectPoint> points, glm::vec3* irradiance,
                       float* form_factors);
     void evaluate_claimed(Batch::Scratch& own);
+    void begin_rough_light();
+    static void note_light(Batch::Scratch& own, std::span<const IndirectPoint> points, const glm::vec3* irradiance);
     void add_near_field(Batch::Scratch& own, std::span<const IndirectPoint> points, glm::vec3* irradiance);
-    void defer_new_points(PointClaims& claims);
+    std::size_t defer_points(Batch::Scratch& own);
 
     CacheOptions options_;
     LightTree lights_;
@@ -108,6 +110,7 @@ class IrradianceCache {
     TriangleClusters clusters_;
     NearField near_field_;
     RayBudget budget_;
+    RoughLight rough_;
     std::vector<std::vector<scene::ObjectId>> dynamic_groups_;   // dynamic objects that move together
     MovingSpheres dynamic_bounds_;
     std::vector<std::uint32_t> sphere_of_;   // by object: its node there if it moves alone, else none

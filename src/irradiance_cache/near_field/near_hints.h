@@ -38,6 +38,8 @@ class NearHints {
 
     explicit NearHints(const NearHintOptions& options);
 
+    /// Rays that the answer for a cell takes.
+    std::uint64_t rays_of_cell() const { return directions_.size(); }
     /// Cells along a triangle's longest side.
     std::uint32_t cells_along(const glm::vec3 (&corners)[3]) const;
     /// @param triangle  among all of the scene; of a static object

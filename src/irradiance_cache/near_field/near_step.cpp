@@ -94,11 +94,10 @@ NearHints::State NearFieldStep::claim_cell(const CacheFrame& frame, const NearHi
 {
     using State = NearHints::State;
     NearHints& hints = *frame.near_field.hints();
-    if (frame.budget.exhausted()) {
+    if (frame.budget.limited()) {
         const State state = hints.state(claim.cell);
         if (state == State::claimed) awaited_.push_back(claim.cell);
-        if (state == State::unknown) frame.budget.note_deferred();
-        return state;
+        if (state != State::unknown || !frame.budget.pay(hints.rays_of_cell())) return state;
     }
     claimed_.push_back(claim);   // before it is claimed: once claimed it must be answered, whatever fails
     const State state = hints.claim(claim.cell);

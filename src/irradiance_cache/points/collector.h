@@ -29,6 +29,7 @@ struct LatticeRequest {
     std::uint32_t cell;
     float weight;        // fraction of the point's irradiance that this level and finer ones provide
     Arriving fallback;   // by the level before, if this one has only begun to fade in
+    Arriving known{};    // by coarser levels, if rays are limited
 };
 
 /// What a surface point still needs from parts of triangles.
@@ -58,9 +59,10 @@ struct CollectedCell {
 
 /// The open requests of a batch of surface points.
 struct BatchWork {
-    std::vector<std::uint8_t> dynamic;   // by surface point: it is on a dynamic object, or its pixel has no width
-    std::vector<float> near_weight;      // by surface point: fraction of its irradiance that lacks the near field
-    std::vector<float> form_factor;      // by surface point: of the surfaces that light it
+    std::vector<std::uint8_t> dynamic;    // by surface point: it is on a dynamic object, or its pixel has no width
+    std::vector<float> near_weight;       // by surface point: fraction of its irradiance that lacks the near field
+    std::vector<float> form_factor;       // by surface point: of the surfaces that light it
+    std::vector<std::uint8_t> deferred;   // by surface point: it lacks cache points, because rays are limited
     std::vector<LatticeRequest> lattice;
     std::vector<CollectedCell> cells;
     LatticePoints lattice_points;   // of `lattice`

@@ -50,7 +50,7 @@ void DeviceEvaluator::evaluate(const CacheFrame& frame, std::span<CachePoint* co
         if (!fresh && point->dynamic_version == frame.dynamic_version) continue;
         scratch.queued.push_back(point);
         point->queued = true;
-        if (fresh) frame.budget.spend(k_estimate);
+        if (fresh) scratch.expected_rays += k_estimate;
     }
 }
 

@@ -23,6 +23,7 @@ struct EvaluationScratch {
     NearOfPoints near;
     std::vector<CachePoint*> points;
     std::vector<CachePoint*> queued;   // for the device
+    std::uint64_t expected_rays = 0;   // that it will cast for new ones among them, about; counts up
     std::vector<NodeId> cut;
     CutScratch cut_memory;
     std::vector<float> weights;

@@ -68,6 +68,13 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
         const IndirectPoint& point = points[request.point];
         const glm::vec3 between(light_.r[k], light_.g[k], light_.b[k]);
         const float spacing = spacing_of(request.level);
+        if (frame.budget.limited()) {
+            if (light_.weight[k] > k_least_weight) request.known = {between, light_.form_factor[k]};
+            if (any_deferred(work.cells[request.cell])) {
+                finish_deferred(frame, point, request, work, irradiance);
+                continue;
+            }
+        }
         // Fade the widest level in and the finest one out.
         const float narrowest = frame.options.narrowest * point.width;
         const float finest = frame.fade_in(2 * spacing / narrowest - 1);
@@ -99,6 +106,37 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
             work.parts.push_back({request.point, (1 - finest) * request.weight, 0, nullptr, request.fallback});
     }
     work.lattice.resize(kept);
+}
+
+// Whether points of a cell were left to a later frame.
+bool Interpolator::any_deferred(const CollectedCell& cell)
+{
+    return std::any_of(std::begin(cell.point), std::end(cell.point),
+                       [](const CachePoint* point) { return point->version == 0 && !point->queued; });
+}
+
+// Shows what is known of a request's light: finer levels would lack points, too.
+void Interpolator::finish_deferred(const CacheFrame& frame, const IndirectPoint& point, const LatticeRequest& request,
+                                   BatchWork& work, glm::vec3* irradiance)
+{
+    const Arriving& known = request.known;
+    const bool any = known.light != glm::vec3(0);
+    work.deferred[request.point] = 1;
+    irradiance[request.point] += request.weight * (any ? known.light : frame.rough.at(point.position, point.normal));
+    work.form_factor[request.point] += request.weight * known.form_factor;
+    if (!any || !frame.near_field.applies_at(spacing_of(request.level)))
+        work.near_weight[request.point] -= request.weight;
+}
+
+// What takes the place of a part without light. One that is left to a later frame needs something even where the
+// lattice has nothing.
+Arriving Interpolator::around_part(const CacheFrame& frame, const IndirectPoint& point, const PartRequest& request,
+                                   BatchWork& work)
+{
+    const bool deferred = request.part->version == 0;
+    if (deferred && !work.deferred.empty()) work.deferred[request.point] = 1;
+    if (!deferred || request.fallback.light != glm::vec3(0)) return request.fallback;
+    return {frame.rough.at(point.position, point.normal), 0};
 }
 
 // How much of a surface point's light a cell cannot show, 0 to 1, because the surface rises and falls in between.
@@ -294,9 +332,8 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
             const float weight = (1 - replaced) * request.weight;
             float form_factor = request.part->form_factor(point.normal);
             if (light == glm::vec3(0)) {
-                const bool deferred = request.part->version == 0;
-                light = deferred ? frame.average : request.fallback.light;
-                form_factor = deferred ? 0 : request.fallback.form_factor;
+                const Arriving around = around_part(frame, point, request, work);
+                light = around.light, form_factor = around.form_factor;
             }
             irradiance[request.point] += weight * light;
             work.form_factor[request.point] += weight * form_factor;
@@ -307,7 +344,7 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
         }
         const float weight = replaced * request.weight;
         if (request.part->version == 0) {
-            irradiance[request.point] += weight * frame.average;   // deferred
+            irradiance[request.point] += weight * around_part(frame, point, request, work).light;
             continue;
         }
         const bool finer = are == PartsAre::far && !work.dynamic[request.point];

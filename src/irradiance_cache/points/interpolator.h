@@ -36,6 +36,11 @@ class Interpolator {
     void leave_out_hidden(const CacheFrame& frame, std::span<const IndirectPoint> points, const BatchWork& work,
                           CacheCounters& counters);
     void find_steep(const BatchWork& work);
+    static bool any_deferred(const CollectedCell& cell);
+    static void finish_deferred(const CacheFrame& frame, const IndirectPoint& point, const LatticeRequest& request,
+                                BatchWork& work, glm::vec3* irradiance);
+    static Arriving around_part(const CacheFrame& frame, const IndirectPoint& point, const PartRequest& request,
+                                BatchWork& work);
     static float unevenness(const CacheFrame& frame, const CollectedCell& cell, const IndirectPoint& point);
     Arriving fallback(const BatchWork& work, std::size_t request);
 

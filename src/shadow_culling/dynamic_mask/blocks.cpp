@@ -137,21 +137,28 @@ void DynamicMask::find_prints(const LightMask& mask, Block& block) const
     const auto bin = [](float at, float from, float scale) {
         return static_cast<std::uint32_t>(std::clamp((at - from) * scale, 0.0f, static_cast<float>(k_bins - 1)));
     };
+    const auto meets = [&](const Print& print) {
+        return print.face == face && print.low_x <= high_x && print.high_x >= low_x && print.low_y <= high_y &&
+               print.high_y >= low_y;
+    };
     block.prints.clear();
     const std::uint32_t x0 = bin(low_x, mask.bins_low_x, mask.bins_scale_x),
                         x1 = bin(high_x, mask.bins_low_x, mask.bins_scale_x),
                         y0 = bin(low_y, mask.bins_low_y, mask.bins_scale_y),
                         y1 = bin(high_y, mask.bins_low_y, mask.bins_scale_y);
+    std::size_t entries = 0;   // of these bins, which have a print each for every bin that it may meet
     for (std::uint32_t y = y0; y <= y1; ++y)
-        for (std::uint32_t x = x0; x <= x1; ++x)
-            for (std::uint32_t i = mask.bin_begin[y * k_bins + x]; i < mask.bin_begin[y * k_bins + x + 1]; ++i) {
-                const Print& print = mask.prints[mask.binned[i]];
-                if (print.face == face && print.low_x <= high_x && print.high_x >= low_x && print.low_y <= high_y &&
-                    print.high_y >= low_y)
-                    block.prints.push_back(mask.binned[i]);
-            }
-    std::sort(block.prints.begin(), block.prints.end());
-    block.prints.erase(std::unique(block.prints.begin(), block.prints.end()), block.prints.end());
+        entries += mask.bin_begin[y * k_bins + x1 + 1] - mask.bin_begin[y * k_bins + x0];
+    if (entries < mask.prints.size()) {
+        for (std::uint32_t y = y0; y <= y1; ++y)
+            for (std::uint32_t i = mask.bin_begin[y * k_bins + x0]; i < mask.bin_begin[y * k_bins + x1 + 1]; ++i)
+                if (meets(mask.prints[mask.binned[i]])) block.prints.push_back(mask.binned[i]);
+        std::sort(block.prints.begin(), block.prints.end());
+        block.prints.erase(std::unique(block.prints.begin(), block.prints.end()), block.prints.end());
+    } else {
+        for (std::uint32_t p = 0; p < mask.prints.size(); ++p)
+            if (meets(mask.prints[p])) block.prints.push_back(p);
+    }
     block.empty = block.prints.empty();
     block.edges = 0;
     for (const std::uint32_t p : block.prints)

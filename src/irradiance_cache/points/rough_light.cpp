@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irradiance_cache/points/rough_light.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gnomon::irradiance_cache {
+
+namespace {
+
+constexpr float k_cells[] = {96, 24};      // along the diagonal of the scene, from fine to coarse
+constexpr std::size_t k_most = 1u << 17;   // cells
+constexpr float k_follows = 0.5f;          // of the difference to what was known, in each frame
+
+}   // namespace
+
+RoughLight::RoughLight(const Box3& bounds)
+{
+    const float diagonal = bounds.empty() ? 1 : std::max(bounds.diagonal(), 1e-30f);
+    for (int grid = 0; grid < k_grids; ++grid) inverse_width_[grid] = k_cells[grid] / diagonal;
+}
+
+RoughLight::Key RoughLight::key(const glm::ivec3& cell, const glm::vec3& normal, int grid)
+{
+    Key key = static_cast<Key>(grid);
+    for (int axis = 0; axis < 3; ++axis) key = key << 19 | (static_cast<Key>(cell[axis]) & 0x7ffff);
+    const glm::vec3 size = glm::abs(normal);
+    const int axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
+    return key << 3 | static_cast<Key>(2 * axis + (normal[axis] < 0 ? 1 : 0));
+}
+
+// A place in cells of a grid.
+glm::vec3 RoughLight::place(const glm::vec3& position, int grid) const
+{
+    constexpr float k_bound = 1 << 17;
+    return glm::clamp(position * inverse_width_[grid], glm::vec3(-k_bound), glm::vec3(k_bound));
+}
+
+glm::vec3 RoughLight::at(const glm::vec3& position, const glm::vec3& normal) const
+{
+    // Interpolate between the middles of eight cells; leave to the next grid what unknown ones would bring.
+    glm::vec3 light(0);
+    float left = 1;
+    for (int grid = 0; grid < k_grids; ++grid) {
+        const glm::vec3 at = place(position, grid) - 0.5f;
+        const glm::vec3 low = glm::floor(at), part = at - low;
+        glm::vec3 sum(0);
+        float weights = 0;
+        for (int corner = 0; corner < 8; ++corner) {
+            const glm::ivec3 side(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
+            const auto found = means_.find(key(glm::ivec3(low) + side, normal, grid));
+            if (found == means_.end()) continue;
+            float weight = 1;
+            for (int axis = 0; axis < 3; ++axis) weight *= side[axis] ? part[axis] : 1 - part[axis];
+            sum += weight * found->second.before, weights += weight;
+        }
+        light += left * sum;
+        left *= std::max(1 - weights, 0.0f);
+    }
+    return light + left * everywhere_.before;
+}
+
+void RoughLight::note(const std::vector<Sample>& samples)
+{
+    if (means_.size() > k_most) means_.clear();
+    changed_.clear();
+    if (!samples.empty()) changed_.push_back(&everywhere_);
+    for (const Sample& sample : samples) {
+        everywhere_.sum += sample.irradiance, ++everywhere_.count;
+        for (int grid = 0; grid < k_grids; ++grid) {
+            Mean& mean = means_[key(glm::ivec3(glm::floor(place(sample.position, grid))), sample.normal, grid)];
+            if (mean.count++ == 0) changed_.push_back(&mean);
+            mean.sum += sample.irradiance;
+        }
+    }
+    for (Mean* const mean : changed_) {
+        const glm::vec3 now = mean->sum / static_cast<float>(mean->count);
+        mean->before = mean->known ? glm::mix(mean->before, now, k_follows) : now;
+        mean->known = true, mean->sum = glm::vec3(0), mean->count = 0;
+    }
+}
+
+}   // namespace gnomon::irradiance_cache
