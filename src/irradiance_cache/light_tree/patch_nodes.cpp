@@ -37,6 +37,7 @@ void LightTree::make_patches(Tasks& tasks)
         return;
     }
     if (patches_) return;
+    occluders_.forget();
     patches_ = std::make_unique<PatchLight>(*state_, *rays_, options_.patches, tasks);
     patches_->follow(*state_, *rays_, sized_, tasks);
 }
