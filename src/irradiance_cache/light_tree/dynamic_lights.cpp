@@ -1,23 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Lit surfaces of dynamic objects, as virtual lights beside those of the light tree (light_tree.h).
 #include <algorithm>
-#include <array>
 #include <functional>
-#include <numeric>
 #include <unordered_map>
 
-#include "base/interruption.h"
 #include "base/morton.h"
 #include "irradiance_cache/light_tree/light_tree.h"
-#include "irradiance_cache/light_tree/patch_kernels.h"
 #include "irradiance_cache/light_tree/thin_leaves.h"
 #include "light_views/texel_ray.h"
 
 namespace gnomon::irradiance_cache {
 
 namespace {
-
-constexpr float k_untested = 0.02f;   // of a patch's light: less is added without a ray
 
 // Sums surfaces by owner and by the octant that they face, and divides each sum by halves.
 class Octants {
@@ -208,68 +202,6 @@ void LightTree::gather_dynamic(Tasks& tasks)
     of_others.finish();
     keep_brightest(others, options_.dynamic_lights);
     dynamic_.insert(dynamic_.end(), others.begin(), others.end());
-}
-
-// Finds what dynamic objects reflect to patches.
-void LightTree::receive_dynamic(Tasks& tasks)
-{
-    received_.clear();
-    if (!patches_ || !patches_->bounces() || dynamic_.empty()) return;
-    const std::span<const patches::Patch> all = patches_->patches().patches();
-    received_.assign(all.size(), glm::vec3(0));
-    // The kernel of a disk, as for points and in receive_untested().
-    const auto kernel = [](const DynamicVirtualLight& light, const patches::Patch& patch) {
-        const glm::vec3 to = light.sample - patch.sample;
-        const float square = glm::dot(to, to);
-        const float cosine = glm::dot(to, patch.normal), facing = -glm::dot(to, light.normal);
-        if (!(cosine > 0) || !(facing > 0)) return 0.0f;
-        return facing * cosine / (square * (static_cast<float>(k_pi) * square + light.area));
-    };
-    tasks.for_each((all.size() + PatchRows::k_most - 1) / PatchRows::k_most, [&](std::size_t run, int) {
-        interruption_point();
-        const std::size_t first = run * PatchRows::k_most;
-        PatchRows rows;
-        rows.count = std::min(PatchRows::k_most, all.size() - first);
-        for (std::size_t k = 0; k < rows.count; ++k) {
-            const patches::Patch& patch = all[first + k];
-            for (int i = 0; i < 3; ++i) rows.sample[i][k] = patch.sample[i], rows.normal[i][k] = patch.normal[i];
-            rows.albedo[k] = luminance(patches_->albedo()[first + k]);
-            rows.already[k] = luminance(patches_->static_flux()[first + k]) / patch.area;
-        }
-        // Find which lights need rays, and sort them by patch: rays from one place stay together in packets.
-        std::vector<std::pair<std::uint16_t, std::uint32_t>> by_light;   // patch and light
-        std::array<std::uint16_t, PatchRows::k_most> tested;
-        std::array<std::uint32_t, PatchRows::k_most + 1> begin{};
-        for (std::uint32_t l = 0; l < dynamic_.size(); ++l) {
-            const std::size_t count = receive_untested(rows, dynamic_[l], k_untested, tested.data());
-            for (std::size_t k = 0; k < count; ++k) by_light.emplace_back(tested[k], l), ++begin[tested[k] + 1u];
-        }
-        std::partial_sum(begin.begin(), begin.end(), begin.begin());
-        std::vector<std::uint32_t> lights(by_light.size());
-        for (const auto& [patch, light] : by_light) lights[begin[patch]++] = light;
-
-        ray::RayQueue queue;
-        queue.purpose = ray::RayClass::indirect;
-        std::vector<std::pair<std::size_t, glm::vec3>> arriving;   // by ray: patch, irradiance
-        for (std::size_t k = 0, l = 0; k < rows.count; ++k)
-            for (const patches::Patch& patch = all[first + k]; l < begin[k]; ++l)
-                for_each_part(dynamic_[lights[l]], dynamic_halves_, patch.sample, [&](const DynamicVirtualLight& part) {
-                    const float of_part = kernel(part, patch);
-                    if (!(of_part > 0)) return;
-                    queue.push(patch.sample, 0, part.sample - patch.sample, options_.ray_end);
-                    arriving.emplace_back(first + k, of_part * part.flux);
-                });
-        for (std::size_t k = 0; k < rows.count; ++k)
-            received_[first + k] = {rows.received[0][k], rows.received[1][k], rows.received[2][k]};
-        if (queue.empty()) return;
-        std::vector<std::uint8_t> occluded(queue.size() + ray::k_packet_pad);
-        rays_->occluded(queue, 0, queue.size(), occluded.data());
-        std::vector<glm::vec3> passes(rays_->thins_light() ? queue.size() : 0);
-        if (!passes.empty()) rays_->let_through(queue, 0, queue.size(), passes.data(), ray::Against::everything);
-        for (std::size_t r = 0; r < arriving.size(); ++r)
-            if (!occluded[r])
-                received_[arriving[r].first] += passes.empty() ? arriving[r].second : arriving[r].second * passes[r];
-    });
 }
 
 }   // namespace gnomon::irradiance_cache

@@ -22,6 +22,7 @@
 
 #include "base/tasks.h"
 #include "irradiance_cache/light_tree/patch_light.h"
+#include "irradiance_cache/light_tree/patch_occluders.h"
 #include "light_views/casters.h"
 #include "patches/dynamic_reflection.h"
 #include "ray/origin.h"
@@ -165,6 +166,8 @@ class LightTree {
     std::size_t size() const { return children_.size(); }
     std::uint64_t dirty_leaves() const { return dirty_leaves_; }
     std::uint64_t dirty_nodes() const { return dirty_nodes_; }
+    /// Rays from patches to lights of dynamic objects, for the present light.
+    std::uint64_t rays_to_dynamic() const { return rays_to_dynamic_; }
     std::size_t bytes() const;
 
  private:
@@ -257,6 +260,7 @@ class LightTree {
     patches::DynamicReflection reflection_;
     std::vector<glm::vec3> lost_;       // flux of leaves that dynamic objects occlude, by patch
     std::vector<glm::vec3> received_;   // irradiance that dynamic objects reflect to patches
+    PatchOccluders occluders_;          // that hide dynamic objects from patches
     const scene::SceneState* state_;
     const ray::RayScene* rays_;
     std::vector<NodeId> children_;
@@ -267,7 +271,7 @@ class LightTree {
     std::vector<std::vector<scene::ObjectId>> thin_groups_;      // likewise, the others
     std::uint32_t geometry_version_ = 1, flux_version_ = 1;
     bool geometry_changed_ = false;
-    std::atomic<std::uint64_t> dirty_leaves_ = 0, dirty_nodes_ = 0;
+    std::atomic<std::uint64_t> dirty_leaves_ = 0, dirty_nodes_ = 0, rays_to_dynamic_ = 0;
 };
 
 }   // namespace gnomon::irradiance_cache

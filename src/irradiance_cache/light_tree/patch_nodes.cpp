@@ -37,6 +37,7 @@ void LightTree::make_patches(Tasks& tasks)
         return;
     }
     if (patches_) return;
+    occluders_.forget();
     patches_ = std::make_unique<PatchLight>(*state_, *rays_, options_.patches, tasks);
     patches_->follow(*state_, *rays_, sized_, tasks);
 }
@@ -70,25 +71,38 @@ void LightTree::note_patch(View& view, std::uint32_t leaf_number, const Leaf& le
 // Sums the flux of the light maps' leaves by patch: of all, or of those that dynamic objects occlude. A leaf may be far
 // larger than the patch on which its middle lies, where a light shines on more than its map resolves. Then all of its
 // light would make the patch many times as bright as the surface is: no more counts than a few times the patch's area
-// brings.
+// brings. What is occluded costs a pass over the marks of a view's leaves if there is none.
 std::vector<glm::vec3> LightTree::lit_patches(bool lost_only) const
 {
     std::vector<glm::vec3> lit;
     if (!patches_->bounces()) return lit;
     const std::span<const patches::Patch> all = patches_->patches().patches();
     lit.assign(all.size(), glm::vec3(0));
-    std::vector<float> covered(all.size());   // by patch: the area of a view's leaves
+    std::vector<float> covered(all.size());         // by patch: the area of a view's leaves
+    std::vector<std::uint8_t> wanted(all.size());   // by patch: whether any of them counts
     for (const View& view : views_) {
         if (!view.on || view.patch.empty()) continue;
         const NodeId leaves = first_of_level(view, view.levels);
+        const auto lost = [&](std::size_t i) {
+            return view.occluded[i] != 0 || (!view.passes.empty() && view.passes[i] != glm::vec3(1));
+        };
+        const auto counts = [&](std::size_t i) {
+            return view.patch[i] != patches::PatchLinks::k_none && (!lost_only || lost(i));
+        };
+        std::fill(wanted.begin(), wanted.end(), 0);
+        bool any = false;
+        for (std::size_t i = 0; i < view.patch.size(); ++i)
+            if (counts(i)) wanted[view.patch[i]] = 1, any = true;
+        if (!any) continue;
         std::fill(covered.begin(), covered.end(), 0.0f);
         for (std::size_t i = 0; i < view.patch.size(); ++i) {
             const NodeId leaf = leaves + static_cast<NodeId>(i);
-            if (view.patch[i] != patches::PatchLinks::k_none && quads_[leaf / 4].flux[leaf % 4] > 0)
+            if (view.patch[i] != patches::PatchLinks::k_none && wanted[view.patch[i]] != 0 &&
+                quads_[leaf / 4].flux[leaf % 4] > 0)
                 covered[view.patch[i]] += quads_[leaf / 4].area[leaf % 4];
         }
         for (std::size_t i = 0; i < view.patch.size(); ++i) {
-            if (view.patch[i] == patches::PatchLinks::k_none) continue;
+            if (!counts(i)) continue;
             const NodeId leaf = leaves + static_cast<NodeId>(i);
             const glm::vec3 flux = lost_only ? static_flux_.at(leaf) - flux_.at(leaf) : static_flux_.at(leaf);
             const float most = k_most_covered * all[view.patch[i]].area, area = covered[view.patch[i]];
