@@ -386,7 +386,8 @@ bool IrradianceCache::abandon_frame()
 
 std::size_t IrradianceCache::bytes() const
 {
-    return lights_.bytes() + table_.bytes() + clusters_.bytes() + near_field_.bytes() + evaluator_->bytes();
+    return lights_.bytes() + table_.bytes() + clusters_.bytes() + near_field_.bytes() + evaluator_->bytes() +
+           rough_.bytes();
 }
 
 }   // namespace gnomon::irradiance_cache

@@ -74,8 +74,9 @@ class IrradianceCache {
     /// Sums the batches' counters, and drops points if they take too much memory. Null batches are skipped.
     void end_frame(std::span<const std::unique_ptr<Batch>> batches);
 
-    /// For viewers: new points that a frame has no rays left for are deferred to later frames, and pixels without any
-    /// get the average irradiance. 0: no limit, without which a frame depends on those before it.
+    /// For viewers: points that a frame has no rays left for are deferred to later frames. Pixels that lack new points get
+    /// what is roughly known of the light there (points/rough_light.h), and those on dynamic objects what they had.
+    /// 0: no limit; with one, a frame depends on those before it.
     void limit_rays(std::uint64_t per_frame) { budget_.limit(per_frame); }
     /// Whether the last frame deferred points, so that rendering it again would improve it.
     bool lacks_points() const { return budget_.any_deferred(); }

@@ -38,7 +38,8 @@ glm::vec3 RoughLight::place(const glm::vec3& position, int grid) const
 
 glm::vec3 RoughLight::at(const glm::vec3& position, const glm::vec3& normal) const
 {
-    // Interpolate between the middles of eight cells; leave to the next grid what unknown ones would bring.
+    // Interpolate between the middles of eight cells; leave to the next grid what too few known ones cannot bring.
+    constexpr float k_enough = 0.25f;   // of the weight: beside a surface half of the cells are empty
     glm::vec3 light(0);
     float left = 1;
     for (int grid = 0; grid < k_grids; ++grid) {
@@ -54,8 +55,10 @@ glm::vec3 RoughLight::at(const glm::vec3& position, const glm::vec3& normal) con
             for (int axis = 0; axis < 3; ++axis) weight *= side[axis] ? part[axis] : 1 - part[axis];
             sum += weight * found->second.before, weights += weight;
         }
-        light += left * sum;
-        left *= std::max(1 - weights, 0.0f);
+        if (!(weights > 0)) continue;
+        const float share = std::min(weights / k_enough, 1.0f);
+        light += left * share / weights * sum;
+        left *= 1 - share;
     }
     return light + left * everywhere_.before;
 }
@@ -78,6 +81,11 @@ void RoughLight::note(const std::vector<Sample>& samples)
         mean->before = mean->known ? glm::mix(mean->before, now, k_follows) : now;
         mean->known = true, mean->sum = glm::vec3(0), mean->count = 0;
     }
+}
+
+std::size_t RoughLight::bytes() const
+{
+    return means_.size() * (sizeof(Key) + sizeof(Mean) + 2 * sizeof(void*));
 }
 
 }   // namespace gnomon::irradiance_cache

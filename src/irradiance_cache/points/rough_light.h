@@ -27,6 +27,7 @@ class RoughLight {
     glm::vec3 at(const glm::vec3& position, const glm::vec3& normal) const;
     /// Between frames: notes what pixels of the last frame received.
     void note(const std::vector<Sample>& samples);
+    std::size_t bytes() const;
 
  private:
     struct Mean {
