@@ -123,7 +123,7 @@ void IrradianceCache::begin_rough_light()
         glm::vec3 arrives(luminance(exitance) / luminance(albedo));
         for (int colour = 0; colour < 3; ++colour)
             if (albedo[colour] > k_black) arrives[colour] = exitance[colour] / albedo[colour];
-        samples.push_back({patches[p].position, patches[p].normal, arrives});
+        samples.push_back({patches[p].position, patches[p].normal, arrives, patches[p].area});
     }
     rough_.note(samples);
 }

@@ -59,6 +59,7 @@ glm::vec3 RoughLight::at(const glm::vec3& position, const glm::vec3& normal) con
         const float share = std::min(weights / k_enough, 1.0f);
         light += left * share / weights * sum;
         left *= 1 - share;
+        if (!(left > 0)) return light;
     }
     return light + left * everywhere_.before;
 }
@@ -69,17 +70,17 @@ void RoughLight::note(const std::vector<Sample>& samples)
     changed_.clear();
     if (!samples.empty()) changed_.push_back(&everywhere_);
     for (const Sample& sample : samples) {
-        everywhere_.sum += sample.irradiance, ++everywhere_.count;
+        everywhere_.sum += sample.weight * sample.irradiance, everywhere_.weight += sample.weight;
         for (int grid = 0; grid < k_grids; ++grid) {
             Mean& mean = means_[key(glm::ivec3(glm::floor(place(sample.position, grid))), sample.normal, grid)];
-            if (mean.count++ == 0) changed_.push_back(&mean);
-            mean.sum += sample.irradiance;
+            if (mean.weight == 0) changed_.push_back(&mean);
+            mean.sum += sample.weight * sample.irradiance, mean.weight += sample.weight;
         }
     }
     for (Mean* const mean : changed_) {
-        const glm::vec3 now = mean->sum / static_cast<float>(mean->count);
+        const glm::vec3 now = mean->sum / mean->weight;
         mean->before = mean->known ? glm::mix(mean->before, now, k_follows) : now;
-        mean->known = true, mean->sum = glm::vec3(0), mean->count = 0;
+        mean->known = true, mean->sum = glm::vec3(0), mean->weight = 0;
     }
 }
 

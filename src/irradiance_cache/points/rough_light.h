@@ -14,9 +14,10 @@ namespace gnomon::irradiance_cache {
 
 class RoughLight {
  public:
-    /// A pixel's irradiance.
+    /// The irradiance of a pixel, or of a patch.
     struct Sample {
         glm::vec3 position, normal, irradiance;
+        float weight = 1;   // above 0
     };
     /// @param bounds  of the scene, for the cells' width
     explicit RoughLight(const Box3& bounds);
@@ -31,10 +32,10 @@ class RoughLight {
 
  private:
     struct Mean {
-        glm::vec3 before{0};       // of frames before
-        glm::vec3 sum{0};          // of this frame
-        std::uint32_t count = 0;   // of samples in it
-        bool known = false;        // before
+        glm::vec3 before{0};   // of frames before
+        glm::vec3 sum{0};      // of this frame
+        float weight = 0;      // of its samples
+        bool known = false;    // before
     };
     using Key = std::uint64_t;
     static Key key(const glm::ivec3& cell, const glm::vec3& normal, int grid);
