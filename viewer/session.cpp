@@ -443,7 +443,7 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     const bool early = prepares && request.early && !refines;
     if (early) options.indirect = Indirect::off, options.shadow_culling = ShadowCulling::off;
     const bool in_motion = request.rays && !request.whole && !refines;
-    if (in_motion) options.max_depth = std::min(options.max_depth, k_depth_in_motion);
+    if (request.coarse && !refines) options.max_depth = std::min(options.max_depth, k_coarse_depth);
     renderer_.set_options(options);
     FrameInput input;
     input.time = request.time;

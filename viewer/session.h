@@ -57,6 +57,8 @@ struct ViewRequest {
     bool interruptible = false;
     /// Limit of the first image's rays of indirect light, if it is less than the session's.
     std::optional<std::uint64_t> rays;
+    /// The first image follows few reflections in a row: one of more pixels replaces it where nothing moves.
+    bool coarse = false;
     /// Until the scene's bounced light is prepared, which may take seconds, images come without it, and the one with it
     /// follows the last of them. A newer request interrupts the preparation, which then begins again.
     bool early = false;
@@ -134,7 +136,7 @@ class ViewSession {
  public:
     /// About 50 ms on two cores.
     static constexpr std::uint64_t k_rays_a_frame = 1u << 18;
-    static constexpr int k_depth_in_motion = 3;   // reflections and refractions in a row of images in motion, at most
+    static constexpr int k_coarse_depth = 3;   // reflections and refractions in a row in coarse images, at most
     /// @param rays_a_frame  limit of an image's rays of indirect light; the missing light comes with the next image
     /// @param changed       called from threads of the session when it has news: an image, a scene, an error, progress
     explicit ViewSession(int threads, std::uint64_t rays_a_frame = k_rays_a_frame, std::function<void()> changed = {});
@@ -164,7 +166,6 @@ class ViewSession {
     void render_loop(const std::stop_token& stop);
     std::shared_ptr<ViewImage> render(const std::shared_ptr<const Scene>& scene, const ViewRequest& request,
                                       bool refines);
-    int refined_ = 0;   // images of this request so far
     bool asked_soon(const std::stop_token& stop);
     bool publish(std::shared_ptr<ViewImage> image, ViewRequest& request, bool refines);
     void hand_over_overrides(const Scene& scene, const ViewRequest& request, FrameInput& input);
@@ -197,6 +198,7 @@ class ViewSession {
         friend bool operator==(const Prepared&, const Prepared&) = default;
     };
     Prepared prepared_;
+    int refined_ = 0;            // images that refined the last request
     std::vector<NodeId> held_;   // nodes whose transforms the renderer was given
     // The last file read, so that other lights or rates do not read it again.
     std::string loaded_file_;

@@ -136,6 +136,7 @@ void Viewer::Impl::ask()
     if (!whole && !sharper) request.rays = motion_size.rays();
     requested_divisor = whole ? 1 : sharper ? requested_divisor / 2 : motion_size.divisor();
     request.size = {std::max(size.width / requested_divisor, 16), std::max(size.height / requested_divisor, 16)};
+    request.coarse = !whole && !sharper && requested_divisor > 1;
     request.enlarge = enlargement(request.size, requested_divisor);
     if (own_camera) request.orbit = camera.camera();
     request.pick = std::exchange(pick, std::nullopt);

@@ -208,6 +208,31 @@ TEST(IrradianceCache, LimitedRaysConvergeToTheFullFrame)
     EXPECT_TRUE(same_bits(buffers.indirect.data, indirect_of("cornell", {3}, 1, k_size, with_near_field())));
 }
 
+// The mean bounced light of a frame of Cornell's box with all bounces.
+double mean_of_all_bounces(std::uint64_t rays)
+{
+    World world("cornell", 3, 2);
+    IrradianceCache visible(world.state, world.rays, irradiance_cache::options_for_bounces(1000, false), world.tasks);
+    visible.limit_rays(rays);
+    trace::CachedIndirect indirect(visible);
+    trace::TracedOptions options;
+    options.layers = true;
+    shading::FrameBuffers buffers;
+    world.go(3);
+    trace::trace_frame(world.state, world.rays, scene::make_view(world.state, 0, {96, 96}), options, world.tasks,
+                       buffers, {nullptr, &indirect});
+    EXPECT_EQ(visible.lacks_points(), rays > 0);
+    double sum = 0;
+    for (const float value : buffers.indirect.data) sum += static_cast<double>(value);
+    return sum / static_cast<double>(buffers.indirect.data.size());
+}
+
+// What stands for nearly all points of the first frame brings as much light as they do.
+TEST(IrradianceCache, RoughLightBringsTheLightOfMissingPoints)
+{
+    EXPECT_NEAR(mean_of_all_bounces(1 << 10) / mean_of_all_bounces(0), 1, 0.08);
+}
+
 // Points on static surfaces that a camera sees, every few pixels, with geometric normals for shading.
 std::vector<irradiance_cache::IndirectPoint> static_points(const World& world, int side,
                                                            std::vector<std::size_t>* pixels = nullptr)

@@ -388,6 +388,24 @@ TEST(ViewSession, ImagesInMotionCastFewRays)
     EXPECT_TRUE(same(last, whole));
 }
 
+// A coarse image, which another one will replace, has few reflections in a row; an image in motion of all pixels has all.
+TEST(ViewSession, OnlyCoarseImagesLackReflections)
+{
+    ViewSession session(1), fresh(1);
+    load(session, 0, "builtin:kinetic"), load(fresh, 0, "builtin:kinetic");
+    ViewRequest whole = at(0.05);
+    whole.options.indirect = Indirect::off;
+    ViewRequest moving = whole;
+    moving.rays = 100;
+    ViewRequest coarse = moving;
+    coarse.coarse = true;
+    const auto expected = finished(fresh, whole);
+    EXPECT_FALSE(same(finished(session, coarse), expected)) << "the scene has no long chains of reflections";
+    EXPECT_TRUE(same(finished(session, moving), expected));
+    EXPECT_FALSE(same(finished(session, coarse), expected));
+    EXPECT_TRUE(same(finished(session, whole), expected));
+}
+
 // Enlarged images have the frame's size times the factor, on average its colours, and leave no trace in later images.
 TEST(ViewSession, ImagesAreEnlargedForTheScreen)
 {
