@@ -388,7 +388,8 @@ TEST(ViewSession, ImagesInMotionCastFewRays)
     EXPECT_TRUE(same(last, whole));
 }
 
-// A coarse image, which another one will replace, has few reflections in a row; an image in motion of all pixels has all.
+// A coarse image, which another one will replace, has few reflections in a row; an image in motion of all pixels has
+// all.
 TEST(ViewSession, OnlyCoarseImagesLackReflections)
 {
     ViewSession session(1), fresh(1);
