@@ -26,6 +26,8 @@ int run_view(const CommandLine& line, Output& output)
                               summary.median_image_ms, summary.longest_ms));
     output.detail(fmt::format("{} inputs, each shown after {:.0f} ms in the median and {:.0f} ms at most",
                               summary.latency.inputs, summary.latency.median_ms, summary.latency.longest_ms));
+    output.detail(fmt::format("by an image rendered for it after {:.0f} ms in the median and {:.0f} ms at most",
+                              summary.rendered.median_ms, summary.rendered.longest_ms));
     output.finish({{"version", std::string(version())},
                    {"scene", line.positionals[0]},
                    {"window_frames", summary.window_frames},
@@ -35,6 +37,8 @@ int run_view(const CommandLine& line, Output& output)
                    {"inputs", summary.latency.inputs},
                    {"median_latency_ms", summary.latency.median_ms},
                    {"longest_latency_ms", summary.latency.longest_ms},
+                   {"median_rendered_latency_ms", summary.rendered.median_ms},
+                   {"longest_rendered_latency_ms", summary.rendered.longest_ms},
                    {"loads", summary.loads},
                    {"files", summary.files},
                    {"options_set", summary.options_set},

@@ -34,7 +34,7 @@ bool is_same(const SeenSurface& a, const SeenSurface& b)
 
 // The 4 x 4 pixels around the places between four pixels' centres.
 struct Cell {
-    std::array<glm::vec4, k_taps * k_taps> color;
+    std::array<glm::vec4, k_taps * k_taps> color;                // and nearness, in the last component
     int surfaces = 0;                                            // among the inner taps
     std::array<std::array<float, k_taps * k_taps>, 4> shows{};   // by surface and tap: 1 where it is seen
 };
@@ -42,14 +42,14 @@ struct Cell {
 class Enlarger {
  public:
     Enlarger(const Image8& image, const std::vector<SeenSurface>& surfaces, int factor);
-    Image8 run();
+    EnlargedImage run();
 
  private:
     // The first place between the centres of a pixel and the next one; below 0 before the image's first pixel.
     int first_after(int pixel) const { return pixel < 0 ? -((factor_ + 1) / 2) : factor_ * (2 * pixel + 1) / 2; }
     void gather(int x, int y);
     void find_surfaces(const std::array<std::size_t, k_taps * k_taps>& pixels);
-    void fill(int x, int y, Image8& out) const;
+    void fill(int x, int y, EnlargedImage& out) const;
 
     const Image8& image_;
     const std::vector<SeenSurface>& surfaces_;
@@ -75,9 +75,9 @@ void Enlarger::gather(int x, int y)
             const int px = std::clamp(x + i - 1, 0, image_.width - 1), py = std::clamp(y + j - 1, 0, image_.height - 1);
             const auto tap = static_cast<std::size_t>(j * k_taps + i);
             const std::uint8_t* const c = image_.pixel(px, py);
-            cell_.color[tap] = glm::vec4(c[0], c[1], c[2], 0);
             pixels[tap] =
                 static_cast<std::size_t>(py) * static_cast<std::size_t>(image_.width) + static_cast<std::size_t>(px);
+            cell_.color[tap] = glm::vec4(c[0], c[1], c[2], surfaces_[pixels[tap]].nearness);
         }
     find_surfaces(pixels);
 }
@@ -109,10 +109,10 @@ void Enlarger::find_surfaces(const std::array<std::size_t, k_taps * k_taps>& pix
 }
 
 // Fills the places of a cell.
-void Enlarger::fill(int x, int y, Image8& out) const
+void Enlarger::fill(int x, int y, EnlargedImage& out) const
 {
-    const int first_x = first_after(x), end_x = std::min(first_after(x + 1), out.width);
-    const int first_y = first_after(y), end_y = std::min(first_after(y + 1), out.height);
+    const int first_x = first_after(x), end_x = std::min(first_after(x + 1), out.image.width);
+    const int first_y = first_after(y), end_y = std::min(first_after(y + 1), out.image.height);
     for (int oy = std::max(first_y, 0); oy < end_y; ++oy) {
         const Weights& down = weights_[static_cast<std::size_t>(oy - first_y)];
         // Where one surface is all around, columns are summed once.
@@ -142,20 +142,23 @@ void Enlarger::fill(int x, int y, Image8& out) const
                     color += (*winner)[tap] * weight[tap] * cell_.color[tap];
                 color /= most;
             }
-            std::uint8_t* const to =
-                out.data.data() +
-                3 * (static_cast<std::size_t>(oy) * static_cast<std::size_t>(out.width) + static_cast<std::size_t>(ox));
+            const std::size_t place =
+                static_cast<std::size_t>(oy) * static_cast<std::size_t>(out.image.width) + static_cast<std::size_t>(ox);
+            out.nearness[place] = color.w;
+            std::uint8_t* const to = out.image.data.data() + 3 * place;
             for (int channel = 0; channel < 3; ++channel)
                 to[channel] = static_cast<std::uint8_t>(std::clamp(color[channel] + 0.5f, 0.0f, 255.0f));
         }
     }
 }
 
-Image8 Enlarger::run()
+EnlargedImage Enlarger::run()
 {
-    Image8 out;
-    out.width = image_.width * factor_, out.height = image_.height * factor_, out.channels = 3;
-    out.data.resize(3 * static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height));
+    EnlargedImage out;
+    Image8& image = out.image;
+    image.width = image_.width * factor_, image.height = image_.height * factor_, image.channels = 3;
+    out.nearness.resize(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+    image.data.resize(3 * out.nearness.size());
     for (int y = -1; y < image_.height; ++y)
         for (int x = -1; x < image_.width; ++x) {
             gather(x, y);
@@ -166,11 +169,14 @@ Image8 Enlarger::run()
 
 }   // namespace
 
-Image8 enlarged(const Image8& image, const std::vector<SeenSurface>& surfaces, int factor)
+EnlargedImage enlarged(const Image8& image, const std::vector<SeenSurface>& surfaces, int factor)
 {
     GNOMON_CHECK(image.channels == 3 && factor > 0);
     GNOMON_CHECK(surfaces.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
-    return factor == 1 ? image : Enlarger(image, surfaces, factor).run();
+    if (factor > 1) return Enlarger(image, surfaces, factor).run();
+    EnlargedImage same{image, {}};
+    for (const SeenSurface& surface : surfaces) same.nearness.push_back(surface.nearness);
+    return same;
 }
 
 int enlargement(Size image, int divisor)

@@ -23,12 +23,18 @@ namespace gnomon::viewer {
 struct SeenSurface {
     std::uint32_t object = 0;   // 0: none
     glm::vec3 normal{0};
+    float nearness = 0;   // 1 divided by its depth along the camera's axis; 0: none
+};
+
+struct EnlargedImage {
+    Image8 image;
+    std::vector<float> nearness;   // by pixel, row by row: of the surface whose colour it has, as SeenSurface has it
 };
 
 /// @param image     of three channels
 /// @param surfaces  by pixel, row by row
 /// @param factor    of width and height, above 0
-Image8 enlarged(const Image8& image, const std::vector<SeenSurface>& surfaces, int factor);
+EnlargedImage enlarged(const Image8& image, const std::vector<SeenSurface>& surfaces, int factor);
 
 /// How many times as wide an image should be for the screen before the screen enlarges it further.
 /// @param divisor  what the view's size was divided by for the image

@@ -2,6 +2,7 @@
 #include "viewer/latency.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace gnomon::viewer {
 
@@ -13,6 +14,13 @@ void Latency::note(Clock::time_point when)
 void Latency::ask(std::uint64_t request)
 {
     if (noted_) asked_.emplace_back(request, *noted_);
+    noted_.reset();
+}
+
+void Latency::show_all(Clock::time_point when)
+{
+    show(std::numeric_limits<std::uint64_t>::max(), when);
+    if (noted_) ms_.push_back(std::chrono::duration<double, std::milli>(when - *noted_).count());
     noted_.reset();
 }
 

@@ -19,6 +19,8 @@ class Latency {
     void note(Clock::time_point when);
     /// The request has what was noted.
     void ask(std::uint64_t request);
+    /// The screen shows all that was noted or requested.
+    void show_all(Clock::time_point when);
     /// An image is on the screen: it shows its own request and those before it.
     void show(std::uint64_t request, Clock::time_point when);
     /// Nothing will show what was noted, because another scene takes its place.

@@ -15,8 +15,9 @@ namespace gnomon::viewer {
 
 class MotionSize {
  public:
-    /// While the user moves the view: an input may wait for the image before its own, and then waits for its own.
-    static constexpr double k_held_ms = 20;
+    /// While the user moves the view: an input that is not shown by moving an image (reprojection.h) may wait for the
+    /// image before its own, and then waits for its own.
+    static constexpr double k_held_ms = 35;
     /// While an animation plays by itself.
     static constexpr double k_playing_ms = 40;
     static constexpr double k_more = 0.25;   // of the part that any image takes, for the others, at least

@@ -82,17 +82,21 @@ bool has_ids(const RenderOptions& options)
     return options.overlay == Overlay::none || options.overlay == Overlay::redrawn;
 }
 
-// What a frame with the layers "id" and "normal" shows; empty without them.
+// What a frame with the layers "id", "normal" and "depth" shows; empty without them.
 std::vector<SeenSurface> surfaces_of(const Frame& frame)
 {
     std::vector<SeenSurface> surfaces;
-    const Layer *const ids = frame.layer("id"), *const normals = frame.layer("normal");
-    if (!ids || !normals) return surfaces;
+    const Layer *const ids = frame.layer("id"), *const normals = frame.layer("normal"),
+                       *const depths = frame.layer("depth");
+    if (!ids || !normals || !depths) return surfaces;
     surfaces.reserve(static_cast<std::size_t>(frame.size.width) * static_cast<std::size_t>(frame.size.height));
     for (int y = 0; y < frame.size.height; ++y)
-        for (int x = 0; x < frame.size.width; ++x)
-            surfaces.push_back(
-                {ids->id(x, y), {normals->value(x, y, 0), normals->value(x, y, 1), normals->value(x, y, 2)}});
+        for (int x = 0; x < frame.size.width; ++x) {
+            const float depth = depths->value(x, y);
+            surfaces.push_back({ids->id(x, y),
+                                {normals->value(x, y, 0), normals->value(x, y, 1), normals->value(x, y, 2)},
+                                depth > 0 ? 1 / depth : 0});
+        }
     return surfaces;
 }
 
@@ -481,13 +485,17 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     const Clock::time_point start = Clock::now();
     image->image.width = frame.size.width, image->image.height = frame.size.height, image->image.channels = 3;
     image->image.data = frame.to_srgb8();
-    if (enlarges) image->image = enlarged(image->image, surfaces_of(frame), request.enlarge);
+    if (enlarges) {
+        EnlargedImage large = enlarged(image->image, surfaces_of(frame), request.enlarge);
+        image->image = std::move(large.image), image->nearness = std::move(large.nearness);
+    }
     image->times = times_of(frame, milliseconds_since(start));
 
     // Describe it.
     image->scene = scene;
     image->request = request.number;
     image->camera = renderer_.camera();
+    image->orbit = request.orbit;
     const Box bounds = renderer_.bounds();
     if (!bounds.empty())
         image->bounds = {{bounds.low.x, bounds.low.y, bounds.low.z}, {bounds.high.x, bounds.high.y, bounds.high.z}};

@@ -89,10 +89,13 @@ struct Picked {
 
 struct ViewImage {
     std::shared_ptr<const Scene> scene;
-    Frame frame;     // without layers, unless the request was for a whole frame
-    Image8 image;    // the frame in sRGB, or enlarged
-    Camera camera;   // with which it was rendered
-    Box3 bounds;     // of the scene
+    Frame frame;    // without layers, unless the request was for a whole frame
+    Image8 image;   // the frame in sRGB, or enlarged
+    /// By pixel of an enlarged image: 1 divided by the depth of what it shows along the camera's axis, 0 without any.
+    std::vector<float> nearness;
+    Camera camera;                 // with which it was rendered
+    std::optional<Camera> orbit;   // its request's
+    Box3 bounds;                   // of the scene
     ViewTimes times;
     bool early = false;             // bounced light is being prepared
     std::uint64_t number = 0;       // counts up

@@ -94,12 +94,11 @@ void Viewer::Impl::frame(double seconds)
     if (events.scene_camera) own_camera = false, dirty = true;
 
     // Draw the frame where it shows something new. Without a graphics card, drawing and rendering take turns on the
-    // same cores: what is there is shown before the next image is requested.
+    // same cores: a new image is shown before the next one is requested.
     ImGui::Render();
-    if (pace.draws(new_image, Clock::now()))
-        draw(start, new_image);
-    else
-        ask();
+    if (!new_image) ask();
+    pace.move_view(follows_view() && !(shown_view() == drawn_view));
+    if (pace.draws(new_image, Clock::now())) draw(start, new_image);
 }
 
 // @param start  of the frame
@@ -118,9 +117,11 @@ void Viewer::Impl::draw(Clock::time_point start, bool new_image)
     pace.drawn(drawing, finished);
     summary.longest_ms = std::max(summary.longest_ms, 1000 * seconds_since(start));
     ++summary.window_frames;
-    ask();   // before the swap, for the same reason
+    if (new_image) ask();   // before the swap, for the same reason
     glfwSwapBuffers(window.handle);
-    if (new_image) latency.show(image->request, Clock::now());
+    const Clock::time_point shown = Clock::now();
+    if (new_image) latency.show(image->request, shown), rendered.show(image->request, shown);
+    if (follows_view()) latency.show_all(shown);
 }
 
 Viewer::Viewer(ViewSettings settings, std::string scene, int threads)
@@ -169,6 +170,7 @@ ViewSummary Viewer::run(const std::function<bool()>& stopped)
         in.summary.median_image_ms = *middle;
     }
     in.summary.latency = in.latency.summary();
+    in.summary.rendered = in.rendered.summary();
     return in.summary;
 }
 

@@ -18,8 +18,9 @@ struct ViewSummary {
     std::uint64_t window_frames = 0, images = 0, loads = 0;
     double longest_ms = 0;   // longest frame of the window, without waiting for the screen
     double median_image_ms = 0;
-    /// How long inputs that change the image waited for one that shows them: drags, keys, options.
-    Latency::Summary latency;
+    /// How long inputs that change the image, such as drags, keys and options, waited until the window showed them, by
+    /// an image that was moved or a new one; and until it showed one that was rendered for them.
+    Latency::Summary latency, rendered;
     std::vector<std::string> files;        // files written
     std::set<std::string> options_set;     // options set in the panel
     std::set<std::string> frozen, moved;   // objects that the user froze or moved

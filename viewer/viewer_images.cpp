@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "viewer/enlarge.h"
+#include "viewer/projection.h"
 #include "viewer/viewer_impl.h"
 
 namespace gnomon::viewer {
@@ -17,6 +18,19 @@ namespace {
 constexpr double k_rest_seconds = 0.15;   // without motion, until a view that is held gets a sharper image
 
 constexpr ImU32 k_outline = IM_COL32(255, 196, 64, 255), k_outline_below = IM_COL32(0, 0, 0, 160);
+
+// The nearest of what an enlarged image shows around a place, in fractions of its width and height.
+float nearness_around(const ViewImage& image, const glm::vec2& place)
+{
+    const int width = image.image.width, height = image.image.height;
+    const glm::ivec2 at(glm::round(place * glm::vec2(width, height)));
+    float most = 0;
+    for (const int y : {at.y - 1, at.y})
+        for (const int x : {at.x - 1, at.x})
+            if (x >= 0 && y >= 0 && x < width && y < height)
+                most = std::max(most, image.nearness[static_cast<std::size_t>(y * width + x)]);
+    return most;
+}
 
 }   // namespace
 
@@ -33,6 +47,7 @@ void Viewer::Impl::take_scene()
     overrides.list.clear();
     shot_request = video_request = 0;   // request them again with the new scene
     latency.forget();
+    rendered.forget();
     moving.clear();
     panel.picked.reset();
     object_handles.forget();
@@ -102,14 +117,17 @@ void Viewer::Impl::ask()
     const bool whole = recorder.recording() || wants_screenshot;
     const bool holds_clip = playback.playing && holds() && !whole && image && image->scene == scene;
     const double time = holds_clip && !clip_pace.goes_on(Clock::now()) ? requested_time : playback.time(*scene);
-    const bool moved =
-        dirty || time != requested_time || !(size == requested_size) || overrides.list != requested_overrides;
+    const bool moved = dirty || view_moved || time != requested_time || !(size == requested_size) ||
+                       overrides.list != requested_overrides;
     if (moved) moved_at = Clock::now();
     const bool sharper = !moved && requested_divisor > 1 && (!holds() || seconds_since(moved_at) > k_rest_seconds);
     if (!moved && !sharper) return;
     // What a scene's first image waits for is no input.
-    const bool asked = dirty || overrides.list != requested_overrides;
-    if (asked && !whole && image && image->scene == scene) latency.note(input->came());
+    const bool other = dirty || overrides.list != requested_overrides;
+    if ((other || view_moved) && !whole && image && image->scene == scene) {
+        latency.note(input->came());
+        rendered.note(input->came());
+    }
     // Let each image in motion finish, because it shows something and fills caches for the next, while the latest
     // request waits for it. A sharper image of what is shown need not finish, so that a drag never waits for it. An
     // image to save is neither replaced nor requested before all others are there.
@@ -145,12 +163,15 @@ void Viewer::Impl::ask()
     requested_whole = whole;
     const bool other_time = time != requested_time;
     if (other_time) clip_pace.went_on(Clock::now());
+    const bool resized = !(size == requested_size);
     requested_time = time;
     requested_size = size;
     requested_overrides = overrides.list;
-    dirty = false;
+    dirty = view_moved = false;
     const std::uint64_t number = session.ask(std::move(request));
+    if (other || resized || whole) other_request = number;
     latency.ask(number);
+    rendered.ask(number);
     if (!whole && !sharper) moving.push_back({number, requested_divisor, other_time});
     if (wants_screenshot) shot_request = number;
     if (recorder.recording()) video_request = number;
@@ -187,15 +208,45 @@ std::optional<glm::vec2> Viewer::Impl::image_place(const glm::vec2& at) const
     return fraction;
 }
 
+// Whether the window shows the image as the interactive camera of now sees it, by moving it if that is another one than
+// it was rendered with. Not if more than the view has changed since, because the view may have jumped.
+bool Viewer::Impl::follows_view() const
+{
+    return own_camera && image && image->scene == scene && !image->nearness.empty() && !dirty &&
+           image->request >= other_request && overrides.list == requested_overrides && !recorder.recording() &&
+           !image_plane_of(image->camera, {1, 1}).orthographic;
+}
+
+// The camera that the window shows.
+Camera Viewer::Impl::shown_view() const
+{
+    return follows_view() ? camera.camera() : image->orbit.value_or(image->camera);
+}
+
+// How the image is moved to be shown; none: it is shown as it is.
+std::optional<Reprojection> Viewer::Impl::reprojection() const
+{
+    const Camera view = shown_view();
+    if (view == image->orbit.value_or(image->camera)) return std::nullopt;
+    return Reprojection::between(image->camera, view, {image->frame.size.width, image->frame.size.height});
+}
+
 // Draws the image below everything else.
 void Viewer::Impl::draw_image()
 {
     if (!image) return;
+    const Camera view = shown_view();
+    if (image->number != drawn_image || !(view == drawn_view)) {
+        moved_image.reset();
+        if (const auto change = reprojection()) moved_image = change->moved(image->image, image->nearness);
+        drawn_image = image->number, drawn_view = view;
+        ++drawings;
+    }
     const Placed place = placed();
     const float pixels = ImGui::GetIO().DisplayFramebufferScale.x;   // per unit of the window's coordinates
     const glm::vec2 size = place.factor * glm::vec2(image->frame.size.width, image->frame.size.height);
     const glm::ivec2 low(glm::round(pixels * place.corner)), high(glm::round(pixels * (place.corner + size)));
-    window.draw(image->image, image->number, low.x, low.y, {high.x - low.x, high.y - low.y});
+    window.draw(moved_image ? *moved_image : image->image, drawings, low.x, low.y, {high.x - low.x, high.y - low.y});
 }
 
 // Outlines the picked object, above the image and below the panels.
@@ -206,12 +257,22 @@ void Viewer::Impl::draw_outline() const
     ImDrawList* const draw = ImGui::GetBackgroundDrawList();
     if (image->scene != scene || recorder.recording()) return;
 
+    // Move it with the image.
+    const auto change = reprojection();
+    const glm::vec2 view_size(image->frame.view_size.width, image->frame.view_size.height);
+    const auto shown = [&](const glm::ivec2& at) {
+        if (!change) return glm::vec2(at);
+        const glm::vec2 fraction = glm::vec2(at) / view_size;
+        const auto moved = change->moved(fraction, nearness_around(*image, fraction));
+        return moved ? *moved * view_size : glm::vec2(at);
+    };
+
     // Dark below bright, to be seen before anything.
     const glm::vec2 corner = place.corner + place.factor * glm::vec2(image->frame.view_left, image->frame.view_top);
     for (const auto& [color, width] : {std::pair{k_outline_below, 3.0f}, std::pair{k_outline, 1.0f}})
         for (const OutlineEdge& edge : image->outline) {
-            const glm::vec2 from = corner + place.factor * glm::vec2(edge.from);
-            const glm::vec2 to = corner + place.factor * glm::vec2(edge.to);
+            const glm::vec2 from = corner + place.factor * shown(edge.from);
+            const glm::vec2 to = corner + place.factor * shown(edge.to);
             const float more = 0.5f * width;   // closes corners
             draw->AddRectFilled({from.x - more, from.y - more}, {to.x + more, to.y + more}, color);
         }

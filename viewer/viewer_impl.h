@@ -20,6 +20,7 @@
 #include "viewer/orbit_camera.h"
 #include "viewer/panel.h"
 #include "viewer/recorder.h"
+#include "viewer/reprojection.h"
 #include "viewer/viewer.h"
 #include "viewer/window_pace.h"
 
@@ -63,13 +64,21 @@ struct Viewer::Impl {
     std::vector<Moving> moving;     // requests in motion without an image yet
     ClipPace clip_pace;             // while the user moves the view
     Clock::time_point moved_at{};   // when something changed last
-    Latency latency;
+    Latency latency;                // until the window shows inputs, be it by an image that is moved
+    Latency rendered;               // until it shows an image rendered for them
     bool wants_screenshot = false;
     std::uint64_t shot_request = 0, video_request = 0;   // requests for a screenshot and for the video's next frame
     Size video_size{};                                   // the view's size when the recording began
     std::optional<double> video_exposure;                // of the recording's first frame: stops
     bool dirty = true;
+    bool view_moved = false;           // the interactive camera moved since the last request
+    std::uint64_t other_request = 0;   // the last one in which more changed than the interactive camera and the time
     std::vector<UserOverride> requested_overrides;
+
+    // What the window shows.
+    std::uint64_t drawings = 0, drawn_image = 0;   // drawings: counts what was shown
+    Camera drawn_view;
+    std::optional<Image8> moved_image;   // the image, moved to that view
 
     bool handles = true;   // of the picked object are shown
     ObjectHandles object_handles;
@@ -98,6 +107,9 @@ struct Viewer::Impl {
     bool take_image();
     bool holds() const;
     void ask();
+    bool follows_view() const;
+    Camera shown_view() const;
+    std::optional<Reprojection> reprojection() const;
     void draw_image();
     void draw_outline() const;
     /// The size of the view, which is the window without the docked panel, in pixels.

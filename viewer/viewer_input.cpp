@@ -48,7 +48,7 @@ std::optional<Gizmo> Viewer::Impl::gizmo() const
     const Placed place = placed();
     const glm::vec2 corner = place.corner + place.factor * glm::vec2(image->frame.view_left, image->frame.view_top);
     const glm::vec2 size = place.factor * glm::vec2(image->frame.view_size.width, image->frame.view_size.height);
-    return Gizmo(image->camera, pivot_of(*panel.picked), corner, size);
+    return Gizmo(shown_view(), pivot_of(*panel.picked), corner, size);
 }
 
 void Viewer::Impl::follow_mouse()
@@ -64,7 +64,7 @@ void Viewer::Impl::follow_mouse()
         if (io.MouseWheel != 0) {
             take_camera();
             camera.zoom(std::pow(k_wheel, io.MouseWheel));
-            dirty = true;
+            view_moved = true;
         }
     }
     if (pressed < 0) return;
@@ -92,7 +92,7 @@ void Viewer::Impl::follow_mouse()
         camera.pan(across, -down);
     else
         camera.orbit(k_turn * across, -k_turn * down);
-    dirty = true;
+    view_moved = true;
 }
 
 void Viewer::Impl::fly(double seconds)
@@ -109,7 +109,7 @@ void Viewer::Impl::fly(double seconds)
     if (!own_camera) return;
     const float step = 0.8f * camera.distance() * static_cast<float>(std::min(seconds, 0.1)) * (io.KeyShift ? 4 : 1);
     camera.fly(step * forward, step * right, step * up);
-    dirty = true;
+    view_moved = true;
 }
 
 void Viewer::Impl::key(int which)

@@ -12,18 +12,19 @@ void WindowPace::begin_frame()
 
 bool WindowPace::draws(bool new_image, Clock::time_point now) const
 {
-    return new_image || (pending_ && now >= next_);
+    return new_image || (pending() && left(now) <= Seconds(0));
 }
 
 void WindowPace::drawn(Clock::time_point start, Clock::time_point end)
 {
     pending_ = settling_ > 0;
-    next_ = end + std::chrono::duration_cast<Clock::duration>(std::min(k_share * Seconds(end - start), k_most));
+    drawn_ = end, took_ = end - start;
 }
 
 WindowPace::Seconds WindowPace::left(Clock::time_point now) const
 {
-    return std::max(Seconds(next_ - now), Seconds(0));
+    const Seconds pause = std::min((moves_ ? k_moving_share : k_share) * took_, k_most);
+    return std::max(pause - Seconds(now - drawn_), Seconds(0));
 }
 
 }   // namespace gnomon::viewer

@@ -284,6 +284,7 @@ TEST(View, ACameraIsChosenFromTheList)
     EXPECT_GE(seen.json.at("inputs"), 1);
     EXPECT_GT(seen.json.at("median_latency_ms"), 0);
     EXPECT_GE(seen.json.at("longest_latency_ms"), seen.json.at("median_latency_ms"));
+    EXPECT_GE(seen.json.at("longest_rendered_latency_ms"), seen.json.at("longest_latency_ms"));
     const Outcome rendered = run({"render", folder / "two.gltf", "--camera", "1", "--frame", "1", "--size", "400x500",
                                   "--samples", "1", "-o", folder / "render.png"});
     ASSERT_EQ(rendered.code, 0) << rendered.err;

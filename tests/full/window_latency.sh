@@ -55,7 +55,8 @@ import json, sys
 seen, median, longest = json.load(open(sys.argv[1])), float(sys.argv[2]), float(sys.argv[3])
 images, median_ms = seen["pictures"], seen["median_picture_ms"]
 print(f"{seen['inputs']} inputs, shown after {seen['median_latency_ms']:.0f} ms in the median and "
-      f"{seen['longest_latency_ms']:.0f} ms at most; {images} images, median "
+      f"{seen['longest_latency_ms']:.0f} ms at most, by an image rendered for them after "
+      f"{seen['median_rendered_latency_ms']:.0f} and {seen['longest_rendered_latency_ms']:.0f} ms; {images} images, median "
       f"{median_ms:.0f} ms; {seen['window_frames']} window frames; options set: "
       f"{', '.join(seen['options_set']) or 'none'}")
 sys.exit(seen["inputs"] == 0 or seen["median_latency_ms"] > median or seen["longest_latency_ms"] > longest)

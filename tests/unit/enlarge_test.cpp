@@ -34,7 +34,7 @@ TEST(Enlarge, PlainImagesStayPlainAndRampsStayRamps)
 {
     for (const int factor : {1, 2, 3, 4}) {
         Seen plain = seen(7, 5, [](int, int) { return true; });
-        const Image8 large = enlarged(plain.image, plain.surfaces, factor);
+        const Image8 large = enlarged(plain.image, plain.surfaces, factor).image;
         EXPECT_EQ(large.width, 7 * factor);
         EXPECT_EQ(large.height, 5 * factor);
         for (const std::uint8_t value : large.data) ASSERT_EQ(value, 200);
@@ -42,7 +42,7 @@ TEST(Enlarge, PlainImagesStayPlainAndRampsStayRamps)
         for (int x = 0; x < 7; ++x)
             for (int y = 0; y < 5; ++y)
                 *(plain.image.data.data() + 3 * (y * 7 + x)) = static_cast<std::uint8_t>(20 * x);
-        const Image8 ramp = enlarged(plain.image, plain.surfaces, factor);
+        const Image8 ramp = enlarged(plain.image, plain.surfaces, factor).image;
         for (int x = 2 * factor; x < 5 * factor; ++x) {
             const double at = (x + 0.5) / factor - 0.5;
             EXPECT_NEAR(ramp.pixel(x, 2 * factor)[0], 20 * at, 0.6) << factor << ' ' << x;
@@ -57,7 +57,7 @@ TEST(Enlarge, BordersAreSharpLinesWithoutBlocks)
     constexpr int k_factor = 4;
     const auto is_beyond = [](double x, double y) { return y > 3.3 + 0.37 * x; };
     const Seen border = seen(20, 16, [&](int x, int y) { return is_beyond(x, y); });
-    const Image8 large = enlarged(border.image, border.surfaces, k_factor);
+    const Image8 large = enlarged(border.image, border.surfaces, k_factor).image;
     for (int y = 0; y < large.height; ++y)
         for (int x = 0; x < large.width; ++x) {
             const int value = large.pixel(x, y)[0];
@@ -70,7 +70,7 @@ TEST(Enlarge, BordersAreSharpLinesWithoutBlocks)
             EXPECT_LE(value, perhaps ? 200 : 40) << px << ' ' << py;
         }
     const Seen speck = seen(9, 9, [](int x, int y) { return x == 4 && y == 4; });
-    for (const std::uint8_t value : enlarged(speck.image, speck.surfaces, k_factor).data) ASSERT_EQ(value, 40);
+    for (const std::uint8_t value : enlarged(speck.image, speck.surfaces, k_factor).image.data) ASSERT_EQ(value, 40);
 }
 
 // Normals part one object's faces, and not what curves between them.
@@ -79,16 +79,29 @@ TEST(Enlarge, FacesOfOneObjectArePartedByTheirNormals)
     Seen edge = seen(12, 4, [](int x, int) { return x >= 6; });
     for (std::size_t i = 0; i < edge.surfaces.size(); ++i)
         edge.surfaces[i] = {7, i % 12 < 6 ? glm::vec3(1, 0, 0) : glm::vec3(0, 0, 1)};
-    for (const std::uint8_t value : enlarged(edge.image, edge.surfaces, 3).data)
+    for (const std::uint8_t value : enlarged(edge.image, edge.surfaces, 3).image.data)
         ASSERT_TRUE(value == 40 || value == 200);
     for (std::size_t i = 0; i < edge.surfaces.size(); ++i) {
         const float angle = 0.3f * static_cast<float>(i % 12);
         edge.surfaces[i].normal = {std::cos(angle), 0, std::sin(angle)};
     }
-    const Image8 curved = enlarged(edge.image, edge.surfaces, 3);
+    const Image8 curved = enlarged(edge.image, edge.surfaces, 3).image;
     int between = 0;
     for (const std::uint8_t value : curved.data) between += value > 60 && value < 180;
     EXPECT_GT(between, 0);
+}
+
+// A place has the nearness of the surface whose colour it has.
+TEST(Enlarge, NearnessGoesWithTheColour)
+{
+    Seen edge = seen(12, 4, [](int x, int) { return x >= 6; });
+    for (std::size_t i = 0; i < edge.surfaces.size(); ++i) edge.surfaces[i].nearness = i % 12 < 6 ? 0.5f : 0.125f;
+    for (const int factor : {1, 3}) {
+        const EnlargedImage large = enlarged(edge.image, edge.surfaces, factor);
+        ASSERT_EQ(large.nearness.size(), static_cast<std::size_t>(12 * factor * 4 * factor));
+        for (std::size_t i = 0; i < large.nearness.size(); ++i)
+            EXPECT_NEAR(large.nearness[i], large.image.data[3 * i] == 40 ? 0.5f : 0.125f, 1e-6f);
+    }
 }
 
 TEST(Enlarge, LeavesTheRestToTheScreen)

@@ -28,6 +28,18 @@ TEST(WindowPace, ImagesAreDrawnAtOnceAndInputsAfterAPause)
     EXPECT_TRUE(pace.draws(false, k_start + milliseconds(40)));
 }
 
+TEST(WindowPace, AViewThatMovedWaitsForLessTime)
+{
+    WindowPace pace;
+    pace.drawn(k_start, k_start + milliseconds(10));
+    pace.move_view(true);
+    EXPECT_TRUE(pace.pending());
+    EXPECT_FALSE(pace.draws(false, k_start + milliseconds(19)));
+    EXPECT_TRUE(pace.draws(false, k_start + milliseconds(20)));
+    pace.move_view(false);
+    EXPECT_FALSE(pace.draws(false, k_start + milliseconds(500))) << "the window shows it";
+}
+
 TEST(WindowPace, FramesFollowAnInputWithoutWaiting)
 {
     WindowPace pace;
@@ -106,6 +118,22 @@ TEST(Latency, CountsFromTheFirstInputToTheImageThatShowsIt)
     latency.ask(10);
     latency.forget();
     latency.show(11, k_start + milliseconds(900));
+    EXPECT_EQ(latency.summary().inputs, 2u);
+}
+
+// An image that is moved shows all inputs so far; the images that follow show nothing new of them.
+TEST(Latency, EndsWhereAnImageIsMoved)
+{
+    Latency latency;
+    latency.note(k_start);
+    latency.ask(1);
+    latency.note(k_start + milliseconds(5));
+    latency.show_all(k_start + milliseconds(20));
+    EXPECT_EQ(latency.summary().inputs, 2u);
+    EXPECT_NEAR(latency.summary().longest_ms, 20, 1e-6);
+    latency.ask(2);
+    latency.show(2, k_start + milliseconds(90));
+    latency.show_all(k_start + milliseconds(90));
     EXPECT_EQ(latency.summary().inputs, 2u);
 }
 
