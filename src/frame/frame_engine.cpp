@@ -57,6 +57,7 @@ irradiance_cache::CacheOptions cache_options(const RenderOptions& options)
 {
     auto result = irradiance_cache::options_for_bounces(options.bounces, options.renderer == RenderMethod::trace);
     result.memory = static_cast<std::size_t>(options.indirect_memory) << 20;
+    if (options.memory > 0) result.ample_memory = 0;   // leave it to what cannot do without
     return result;
 }
 
@@ -78,7 +79,7 @@ light_quadtree::MapLightOptions map_options(const RenderOptions& options)
 // The options that a technique is made with: while they stay, so does the technique.
 auto cache_key(const RenderOptions& o)
 {
-    return std::tuple(o.indirect_memory, o.bounces);
+    return std::tuple(o.indirect_memory, o.bounces, o.memory > 0);
 }
 
 auto map_key(const RenderOptions& o)

@@ -39,9 +39,9 @@ struct CacheOptions {
     float pixels_per_near_cluster = 4;   // and of those that represent smaller triangles
     int near_rays = 64;
     float untested = 0.02f;   // light of dynamic objects below this fraction of a point's light is added without a ray
-    // Bytes for cache points, or twice those of the last frame's points if that is more. The points that were unused
-    // for longest are dropped first.
-    std::size_t memory = 16u << 20;
+    // Bytes for cache points, or twice those of the last frame's points if that is more; and four times, where that is
+    // no more than `ample_memory`. The points that were unused for longest are dropped first.
+    std::size_t memory = 16u << 20, ample_memory = 1u << 30;
 };
 
 /// The options for so many diffuse bounces. More than one asks for a finer first bounce, too, or its errors would be

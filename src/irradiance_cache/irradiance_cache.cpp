@@ -377,7 +377,8 @@ void IrradianceCache::end_frame(std::span<const std::unique_ptr<Batch>> batches)
     // A viewer's images in motion ask for few points: keep those of the view at rest, to which it returns.
     constexpr std::size_t k_limited_memory = 256u << 20;
     const std::size_t memory = budget_.limited() ? std::max(options_.memory, k_limited_memory) : options_.memory;
-    table_.drop_unseen(frame_.number, memory, [this](const CachePoint& point) { evaluator_->release(point); });
+    table_.drop_unseen(frame_.number, {memory, options_.ample_memory},
+                       [this](const CachePoint& point) { evaluator_->release(point); });
 }
 
 bool IrradianceCache::abandon_frame()

@@ -310,8 +310,8 @@ constexpr Option k_options[] = {
      .help = "diffuse bounces of method visible, and of the reference, where 0 is direct light alone"},
     {.name = "indirect-memory", .argument = "MB", .kind = Kind::integer, .fallback = "16", .range = ranges::indirect_memory,
      .subcommands = k_images | bit(bench_indirect), .group = k_indirect,
-     .help = "visible: size of the irradiance cache, at least twice the points of a frame; points unseen for longest are "
-             "evicted first; affects time, not images"},
+     .help = "visible: size of the irradiance cache, at least twice the points of a frame, four times up to 1 GB; points "
+             "unseen for longest are evicted first; affects time, not images"},
     {.name = "indirect-on", .argument = "WHERE", .kind = Kind::choice, .fallback = "auto", .choices = k_choices<IndirectOn>,
      .subcommands = k_images, .group = k_indirect,
      .help = "visible with --renderer raster: where to cut the light tree, trace rays and sum irradiance. vulkan: on the "

@@ -50,11 +50,11 @@ CachePoint& PointTable::find_or_create(AnchorKey key)
     return *point;
 }
 
-void PointTable::drop_unseen(std::uint32_t frame, std::size_t budget,
+void PointTable::drop_unseen(std::uint32_t frame, const Memory& memory,
                              const std::function<void(const CachePoint&)>& dropped)
 {
     const std::size_t all = bytes();
-    if (all <= budget) return;
+    if (all <= memory.bytes) return;
     // Sum the points' bytes by age.
     constexpr std::uint32_t k_ages = 256;
     std::array<std::size_t, k_ages> size{};
@@ -62,7 +62,7 @@ void PointTable::drop_unseen(std::uint32_t frame, std::size_t budget,
     for (const Shard& shard : shards_)
         for (const auto& p : shard.points) size[age_of(*p)] += bytes_of(*p);
     // Raise the budget for large images.
-    budget = std::max(budget, 2 * size[0]);
+    const std::size_t budget = std::max({memory.bytes, 2 * size[0], std::min(4 * size[0], memory.ample)});
     if (all <= budget) return;
     // Find the age from which points are dropped, so that a quarter of the budget is free again.
     std::uint32_t oldest = k_ages - 1;

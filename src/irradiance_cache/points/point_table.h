@@ -30,10 +30,14 @@ class PointTable {
     {
         seen_bytes_.fetch_add(static_cast<std::size_t>(bytes), std::memory_order_relaxed);
     }
-    /// Between frames: if the points take more than `budget` bytes, drops those unused for longest until a quarter of
-    /// the budget is free. The points of `frame` stay, and the budget is at least twice their size.
+    struct Memory {
+        std::size_t bytes = 0;   // for points, or twice those of a frame if that is more
+        std::size_t ample = 0;   // up to so many, four times those of a frame
+    };
+    /// Between frames: if the points take more than their memory, drops those unused for longest until a quarter of it
+    /// is free. The points of `frame` stay.
     /// @param dropped  called for each
-    void drop_unseen(std::uint32_t frame, std::size_t budget, const std::function<void(const CachePoint&)>& dropped);
+    void drop_unseen(std::uint32_t frame, const Memory& memory, const std::function<void(const CachePoint&)>& dropped);
     /// Between frames: drops all points.
     void clear(const std::function<void(const CachePoint&)>& dropped);
     std::size_t size() const;
