@@ -152,6 +152,22 @@ TEST(RememberedBatch, LightOfPartsIsThatOfNewLookUps)
     expect_same_as_anew("spheres?objects=40&dynamic=10", 3, far);
 }
 
+// Surface points that lie below cache points, and are hidden from some of them.
+TEST(RememberedBatch, LightInJointsAndFoldsIsThatOfNewLookUps)
+{
+    World world("kinetic", 3);
+    const auto tiles = tiles_of(world);
+    CacheOptions far;
+    far.near_radius = 0;
+    Cached cached(world, far);
+    cached.begin();
+    const std::vector<glm::vec3> light = cached.shade_and_remember(tiles);
+    cached.end();
+    world.go(3);
+    cached.begin();
+    EXPECT_TRUE(same(cached.shade_again(), light));
+}
+
 // The table drops what the last frame did not use, and keeps what a remembered batch did.
 TEST(RememberedBatch, HoldsWithLittleMemory)
 {
