@@ -265,7 +265,7 @@ void IrradianceCache::shade_and_remember(Batch& batch, std::span<const IndirectP
 
 bool IrradianceCache::shade_again(Batch& batch, RememberedBatch& remembered, glm::vec3* irradiance)
 {
-    // The table keeps the cache points of the last frame alone.
+    // The table may have dropped cache points that the last frame did not use.
     if (!can_remember() || remembered.static_results != static_results_ || remembered.frame + 1 != frame_.number)
         return false;
     Batch::Scratch& own = *batch.scratch_;
