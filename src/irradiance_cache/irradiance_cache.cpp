@@ -2,6 +2,7 @@
 #include "irradiance_cache/irradiance_cache.h"
 
 #include <algorithm>
+#include <atomic>
 #include <unordered_map>
 
 #include "base/check.h"
@@ -27,11 +28,25 @@ struct IrradianceCache::Batch::Scratch {
     NearEvaluator near_evaluation;
     Interpolator interpolator;
     NearFieldStep near_field;
+    BatchRecorder recorder;
+    // Of a remembered batch: the surface points that are computed anew.
+    std::vector<std::uint32_t> rest;
+    std::vector<glm::vec3> rest_irradiance;
     // If rays are limited: of the claimed points, new ones and those on moving objects; and what arrives at some
     // pixels.
     std::vector<CachePoint*> fresh, moved;
     std::vector<RoughLight::Sample> light_samples;
 };
+
+namespace {
+
+std::uint64_t next_number()
+{
+    static std::atomic<std::uint64_t> last = 0;
+    return ++last;
+}
+
+}   // namespace
 
 IrradianceCache::Batch::Batch(PointTable& table) : scratch_(std::make_unique<Scratch>(table)) {}
 IrradianceCache::Batch::~Batch() = default;
@@ -58,7 +73,8 @@ IrradianceCache::IrradianceCache(const scene::SceneState& state, const ray::RayS
              .rough = rough_,
              .state = &state,
              .rays = &rays},
-      evaluator_(std::make_unique<CpuEvaluator>(table_))
+      evaluator_(std::make_unique<CpuEvaluator>(table_)),
+      static_results_(next_number())
 {
     find_dynamic_groups();
 }
@@ -69,6 +85,7 @@ void IrradianceCache::use_device(std::unique_ptr<PointDevice> device)
 {
     GNOMON_CHECK(frame_.number == 0);
     evaluator_ = std::make_unique<DeviceEvaluator>(table_, std::move(device));
+    evaluates_on_device_ = true;
 }
 
 std::unique_ptr<IrradianceCache::Batch> IrradianceCache::make_batch()
@@ -102,6 +119,9 @@ void IrradianceCache::update(const scene::SceneState& state, const ray::RayScene
     const bool thins_otherwise = !changes.materials_changed.empty() && rays.thins_light();
     if (thins_otherwise) find_dynamic_groups();
     if (first || lights_.geometry_changed()) near_field_.update(lights_);
+    if (lights_.geometry_changed() || promoted || thins_otherwise || !changes.added.empty() ||
+        !changes.removed.empty() || !changes.separated.empty())
+        static_results_ = next_number();
     if (first || thins_otherwise || !changes.changed.empty()) follow_dynamic_objects(first || thins_otherwise);
     evaluator_->begin_frame(frame_);
     if (budget_.limited() && rough_.empty()) begin_rough_light();
@@ -205,12 +225,12 @@ void IrradianceCache::follow_dynamic_objects(bool first)
         if (takes_light(o)) dynamic_bounds_.move(sphere_of_[o], enclosed(o));
 }
 
-bool IrradianceCache::shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance,
-                            float* form_factors)
+// Lets all threads fail if one does.
+template <class Body>
+bool IrradianceCache::failing_together(Batch::Scratch& own, const Body& body)
 {
-    Batch::Scratch& own = *batch.scratch_;
     try {
-        return shade_points(own, points, irradiance, form_factors);
+        return body();
     } catch (...) {
         // Wake the threads that wait for this one: they fail as it did.
         failure_.record(std::current_exception());
@@ -220,28 +240,100 @@ bool IrradianceCache::shade(Batch& batch, std::span<const IndirectPoint> points,
     }
 }
 
-bool IrradianceCache::shade_points(Batch::Scratch& own, std::span<const IndirectPoint> points, glm::vec3* irradiance,
-                                   float* form_factors)
+bool IrradianceCache::shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance,
+                            float* form_factors)
 {
-    // Choose the pixels to compute; the others are interpolated between them on the screen.
+    Batch::Scratch& own = *batch.scratch_;
+    return failing_together(own, [&] { return shade_points(own, points, irradiance, form_factors); });
+}
+
+void IrradianceCache::shade_and_remember(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance,
+                                         std::unique_ptr<RememberedBatch>& remembered)
+{
+    Batch::Scratch& own = *batch.scratch_;
+    remembered.reset();
+    failing_together(own, [&] {
+        if (!can_remember() || points.size() > RememberedBatch::k_most_points)
+            return shade_points(own, points, irradiance, nullptr);
+        own.recorder.begin();
+        GNOMON_CHECK(shade_points(own, points, irradiance, nullptr, &own.recorder));
+        remembered = own.recorder.finish(points, own.pixels);
+        remembered->frame = frame_.number, remembered->static_results = static_results_;
+        return true;
+    });
+}
+
+bool IrradianceCache::shade_again(Batch& batch, RememberedBatch& remembered, glm::vec3* irradiance)
+{
+    // The table may have dropped cache points that the last frame did not use.
+    if (!can_remember() || remembered.static_results != static_results_ || remembered.frame + 1 != frame_.number)
+        return false;
+    Batch::Scratch& own = *batch.scratch_;
+    failing_together(own, [&] { return shade_remembered(own, remembered, irradiance), true; });
+    remembered.frame = frame_.number;
+    return true;
+}
+
+// Begins a batch.
+// @return  whether some pixel is narrow enough for a near field
+bool IrradianceCache::begin_points(Batch::Scratch& own, std::span<const IndirectPoint> points) const
+{
     BatchWork& work = own.work;
-    bool near_field = false;   // some pixel is narrow enough for it
+    bool near_field = false;
     work.dynamic.resize(points.size());
     work.form_factor.assign(points.size(), 0);
     for (std::size_t i = 0; i < points.size(); ++i) {
         work.dynamic[i] = frame_.state->is_dynamic(points[i].object) || !(points[i].width > 0);
         near_field = near_field || (!work.dynamic[i] && points[i].width < 2 * near_field_.fade_width());
     }
+    return near_field;
+}
+
+// @param recorder  optional: takes note of what does not depend on the light
+bool IrradianceCache::shade_points(Batch::Scratch& own, std::span<const IndirectPoint> points, glm::vec3* irradiance,
+                                   float* form_factors, BatchRecorder* recorder)
+{
+    // Choose the pixels to compute; the others are interpolated between them on the screen.
+    BatchWork& work = own.work;
+    const bool near_field = begin_points(own, points);
     own.pixels.choose(points, work.dynamic);
-    for (const std::uint32_t i : own.pixels.computed()) irradiance[i] = glm::vec3(0);
-    own.collector.begin(frame_, points, own.pixels.computed(), work);
+    if (!compute_points(own, points, own.pixels.computed(), irradiance, recorder)) return false;
+
+    // Interpolate on the screen.
+    own.pixels.fill(irradiance);
+    if (form_factors) {
+        own.pixels.fill(work.form_factor.data());
+        std::ranges::copy(work.form_factor, form_factors);
+    }
+    if (near_field && near_field_.hints()) {
+        own.pixels.fill(work.near_weight.data());
+        if (own.near_field.select(frame_, points, work, failure_, own.evaluation.counters)) {
+            add_near_field(own, points, irradiance);
+            for (const NearFieldStep::Selected& near : own.near_field.selected())
+                if (recorder) recorder->add_near(near.point, near.weight, near.part);
+        }
+    }
+    if (budget_.limited()) note_light(own, points, irradiance);
+    return true;
+}
+
+// Computes the irradiance of the chosen surface points by interpolation between cache points.
+// @return  false if cache points wait for a device
+bool IrradianceCache::compute_points(Batch::Scratch& own, std::span<const IndirectPoint> points,
+                                     std::span<const std::uint32_t> chosen, glm::vec3* irradiance,
+                                     BatchRecorder* recorder)
+{
+    BatchWork& work = own.work;
+    for (const std::uint32_t i : chosen) irradiance[i] = glm::vec3(0);
+    own.collector.begin(frame_, points, chosen, work);
 
     // Interpolate lattice points, from coarse to fine levels, as far as each pixel needs.
     while (!work.lattice.empty()) {
         own.collector.collect_cells(frame_, points, own.claims, work);
         evaluate_claimed(own);
-        own.interpolator.blend_level(frame_, points, work, irradiance, own.evaluation.counters);
+        own.interpolator.blend_level(frame_, points, work, irradiance, own.evaluation.counters, recorder);
     }
+    if (recorder) recorder->add_rest(work.parts);
 
     // Interpolate parts of triangles where no lattice point applies; and, where those are dark, parts around the pixel.
     own.collector.select_parts(frame_, points, work);
@@ -254,19 +346,29 @@ bool IrradianceCache::shade_points(Batch::Scratch& own, std::span<const Indirect
     }
     if (work.queued) return false;
     if (near_field_.hints() && own.near_field.select_of_parts(work)) add_near_field(own, points, irradiance);
-
-    // Interpolate on the screen.
-    own.pixels.fill(irradiance);
-    if (form_factors) {
-        own.pixels.fill(work.form_factor.data());
-        std::ranges::copy(work.form_factor, form_factors);
-    }
-    if (near_field && near_field_.hints()) {
-        own.pixels.fill(work.near_weight.data());
-        if (own.near_field.select(frame_, points, work, failure_, counters)) add_near_field(own, points, irradiance);
-    }
-    if (budget_.limited()) note_light(own, points, irradiance);
     return true;
+}
+
+// Sums the present light of the cache points that a batch remembers, in the order of shade_points().
+void IrradianceCache::shade_remembered(Batch::Scratch& own, const RememberedBatch& remembered, glm::vec3* irradiance)
+{
+    // Evaluate the cache points.
+    own.claims.begin(frame_.number);
+    for (CachePoint* const point : remembered.cached) own.claims.find(*point);
+    evaluate_claimed(own);
+
+    std::fill(irradiance, irradiance + remembered.count, glm::vec3(0));
+    remembered.add_lattice(irradiance);
+    // Compute the others anew.
+    if (const std::size_t count = remembered.rest.size(); count > 0) {
+        own.rest.resize(count), own.rest_irradiance.resize(count);
+        for (std::uint32_t i = 0; i < count; ++i) own.rest[i] = i;
+        begin_points(own, remembered.rest_points);
+        compute_points(own, remembered.rest_points, own.rest, own.rest_irradiance.data(), nullptr);
+        for (std::size_t i = 0; i < count; ++i) irradiance[remembered.rest[i]] = own.rest_irradiance[i];
+    }
+    remembered.pixels.fill(irradiance);
+    remembered.add_near(irradiance);
 }
 
 // Notes what arrives at some of the computed pixels that lack nothing, for pixels that lack points.

@@ -24,6 +24,7 @@
 #include "irradiance_cache/points/evaluator.h"
 #include "irradiance_cache/points/point_claims.h"
 #include "irradiance_cache/points/point_device.h"
+#include "irradiance_cache/points/remembered_batch.h"
 
 namespace gnomon::irradiance_cache {
 
@@ -60,6 +61,14 @@ class IrradianceCache {
     /// yet; for_each() repeats such calls.
     bool shade(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance,
                float* form_factors = nullptr);
+    /// The same for points that will be shaded again in the next frame. Not with a device.
+    /// @param remembered  out: what they found; null if that cannot be used again
+    void shade_and_remember(Batch& batch, std::span<const IndirectPoint> points, glm::vec3* irradiance,
+                            std::unique_ptr<RememberedBatch>& remembered);
+    /// Computes the irradiance of the points that a batch remembers: the same, to the bit, as shade().
+    /// @return  false if what it remembers does not hold any more: it was not shaded in the last frame, static geometry
+    ///          or the static light changed, rays are limited, or it belongs to another cache
+    bool shade_again(Batch& batch, RememberedBatch& remembered, glm::vec3* irradiance);
     /// Runs body(i, worker) for every i below `count` on the threads of `tasks`. Where it returns false because shade()
     /// did, it runs again after the device evaluated the queued points.
     /// @param batches  one for each thread of `tasks`, by worker
@@ -74,8 +83,8 @@ class IrradianceCache {
     /// Sums the batches' counters, and drops points if they take too much memory. Null batches are skipped.
     void end_frame(std::span<const std::unique_ptr<Batch>> batches);
 
-    /// For viewers: points that a frame has no rays left for are deferred to later frames. Pixels that lack new points get
-    /// what is roughly known of the light there (points/rough_light.h), and those on dynamic objects what they had.
+    /// For viewers: points that a frame has no rays left for are deferred to later frames. Pixels that lack new points
+    /// get what is roughly known of the light there (points/rough_light.h), and those on dynamic objects what they had.
     /// 0: no limit; with one, a frame depends on those before it.
     void limit_rays(std::uint64_t per_frame) { budget_.limit(per_frame); }
     /// Whether the last frame deferred points, so that rendering it again would improve it.
@@ -95,8 +104,15 @@ class IrradianceCache {
     void enclose_dynamic_objects();
     void follow_dynamic_objects(bool first);
     void drop_static_results();
+    template <class Body>
+    bool failing_together(Batch::Scratch& own, const Body& body);
+    bool begin_points(Batch::Scratch& own, std::span<const IndirectPoint> points) const;
     bool shade_points(Batch::Scratch& own, std::span<const IndirectPoint> points, glm::vec3* irradiance,
-                      float* form_factors);
+                      float* form_factors, BatchRecorder* recorder = nullptr);
+    bool compute_points(Batch::Scratch& own, std::span<const IndirectPoint> points,
+                        std::span<const std::uint32_t> chosen, glm::vec3* irradiance, BatchRecorder* recorder);
+    void shade_remembered(Batch::Scratch& own, const RememberedBatch& remembered, glm::vec3* irradiance);
+    bool can_remember() const { return !evaluates_on_device_ && !budget_.limited(); }
     void evaluate_claimed(Batch::Scratch& own);
     void begin_rough_light();
     static void note_light(Batch::Scratch& own, std::span<const IndirectPoint> points, const glm::vec3* irradiance);
@@ -118,6 +134,10 @@ class IrradianceCache {
     CacheFrame frame_;
     PointTable table_;
     std::unique_ptr<PointEvaluator> evaluator_;
+    bool evaluates_on_device_ = false;
+    // Numbers what depends on static geometry and static light alone, among all caches: batches that remember results
+    // of another number have to be shaded anew.
+    std::uint64_t static_results_;
     FrameFailure failure_;
     bool updating_ = false;   // or an update failed
     CacheCounters counters_;

@@ -50,6 +50,12 @@ Continuation continue_from(const SurfacePoint& s);
 /// The fraction of a lobe of this perceptual roughness for which one mirrored ray is traced.
 float traced_part(float roughness);
 
+/// What a diffuse layer reflects towards the viewer of irradiance from many directions.
+inline glm::vec3 reflect_diffusely(const glm::vec3& diffuse, float coverage, const glm::vec3& irradiance)
+{
+    return diffuse * (coverage * static_cast<float>(1 / k_pi)) * irradiance;
+}
+
 /// Diffuse radiance towards the viewer by light from many directions. For glTF surfaces, light that is accounted for by
 /// reflected rays and Continuation::unresolved_weight is not counted again. Includes pi for AFF surfaces too, because
 /// the incoming light is radiance.

@@ -39,6 +39,13 @@ class IndirectLight {
     /// The surroundings in the results replace this light: its direct light must not be added.
     virtual bool replaces(const scene::Light&) const { return false; }
 
+    /// What the first hits of a tile found, which are the same in the next frame.
+    class Remembered {
+     public:
+        virtual ~Remembered() = default;
+        virtual std::size_t bytes() const = 0;
+    };
+
     /// The scratch memory of one thread, for one frame.
     class Worker {
      public:
@@ -47,6 +54,16 @@ class IndirectLight {
         virtual void begin_tile(const Tile&) {}
         /// Overwrites `result`.
         virtual void gather(const PointBatch& batch, IndirectResult& result) = 0;
+        /// The same for first hits that will be gathered again in the next frame.
+        /// @return  null if nothing is remembered of them
+        virtual std::unique_ptr<Remembered> gather_and_remember(const PointBatch& batch, IndirectResult& result)
+        {
+            gather(batch, result);
+            return nullptr;
+        }
+        /// Overwrites `result` with that of gather() for the batch that is remembered.
+        /// @return  false if what is remembered does not hold any more
+        virtual bool gather_again(Remembered&, IndirectResult&) { return false; }
     };
     virtual std::unique_ptr<Worker> make_worker() = 0;
 

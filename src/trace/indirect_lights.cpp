@@ -24,6 +24,48 @@ class CachedIndirect::Work final : public Worker {
 
     void gather(const PointBatch& batch, IndirectResult& result) override
     {
+        ask(batch, result);
+        form_factors_.resize(asked_.size());
+        light_.cache_.shade(*batch_, asked_, result.irradiance.data(), form_factors_.data());
+        // The surfaces that light a point fill no more than what hides the environment from it. Interpolated between
+        // cache points, their form factor is more in places, and so is their light.
+        for (std::size_t k = 0; k < asked_.size(); ++k)
+            if (const float hidden = batch.points[result.point[k]].hidden; hidden < 1 && form_factors_[k] > hidden)
+                result.irradiance[k] *= hidden / form_factors_[k];
+    }
+    std::unique_ptr<Remembered> gather_and_remember(const PointBatch& batch, IndirectResult& result) override
+    {
+        const bool hidden = std::ranges::any_of(batch.points, [](const TilePoint& p) { return p.hidden < 1; });
+        if (hidden) return Worker::gather_and_remember(batch, result);
+        ask(batch, result);
+        auto remembered = std::make_unique<RememberedPoints>();
+        light_.cache_.shade_and_remember(*batch_, asked_, result.irradiance.data(), remembered->found);
+        if (!remembered->found) return nullptr;
+        remembered->point.assign(result.point.begin(), result.point.end());
+        return remembered;
+    }
+    bool gather_again(Remembered& of, IndirectResult& result) override
+    {
+        RememberedPoints& remembered = static_cast<RememberedPoints&>(of);
+        result.point.assign(remembered.point.begin(), remembered.point.end());
+        result.irradiance.resize(result.point.size());
+        return light_.cache_.shade_again(*batch_, *remembered.found, result.irradiance.data());
+    }
+    std::unique_ptr<irradiance_cache::IrradianceCache::Batch> take_batch() { return std::move(batch_); }
+
+ private:
+    struct RememberedPoints final : Remembered {
+        std::vector<std::uint16_t> point;   // of the batch, which is a tile's
+        std::unique_ptr<irradiance_cache::RememberedBatch> found;
+        std::size_t bytes() const override
+        {
+            return sizeof(RememberedPoints) + point.capacity() * sizeof(std::uint16_t) + found->bytes();
+        }
+    };
+
+    // Lists the points of a batch that receive indirect light.
+    void ask(const PointBatch& batch, IndirectResult& result)
+    {
         asked_.clear();
         result.point.clear();
         for (std::uint32_t p = 0; p < batch.points.size(); ++p) {
@@ -43,17 +85,8 @@ class CachedIndirect::Work final : public Worker {
             result.point.push_back(p);
         }
         result.irradiance.resize(asked_.size());
-        form_factors_.resize(asked_.size());
-        light_.cache_.shade(*batch_, asked_, result.irradiance.data(), form_factors_.data());
-        // The surfaces that light a point fill no more than what hides the environment from it. Interpolated between
-        // cache points, their form factor is more in places, and so is their light.
-        for (std::size_t k = 0; k < asked_.size(); ++k)
-            if (const float hidden = batch.points[result.point[k]].hidden; hidden < 1 && form_factors_[k] > hidden)
-                result.irradiance[k] *= hidden / form_factors_[k];
     }
-    std::unique_ptr<irradiance_cache::IrradianceCache::Batch> take_batch() { return std::move(batch_); }
 
- private:
     // The width that selects the cache points of what a mirror, glass or a lobe shows.
     float mirrored_width(const TilePoint& point) const
     {

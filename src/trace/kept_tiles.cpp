@@ -52,9 +52,9 @@ class TilePyramid {
 
 std::size_t KeptTile::bytes() const
 {
-    return sizeof(KeptTile) + points.capacity() * sizeof(KeptPoint) + whole.capacity() * sizeof(TilePoint) +
-           whole_shadow_points.capacity() * sizeof(visibility::ShadowPoint) + color.capacity() * sizeof(glm::vec3) +
-           blocks.capacity() * sizeof(Box3);
+    return sizeof(KeptTile) + points.capacity() * sizeof(KeptPoint) + reflections.capacity() * sizeof(KeptReflection) +
+           whole.capacity() * sizeof(TilePoint) + whole_shadow_points.capacity() * sizeof(visibility::ShadowPoint) +
+           color.capacity() * sizeof(glm::vec3) + blocks.capacity() * sizeof(Box3) + (bounced ? bounced->bytes() : 0);
 }
 
 void KeptTiles::forget()
@@ -108,7 +108,16 @@ void KeptTiles::limit(std::size_t bytes)
 
 std::unique_ptr<KeptTile> KeptTiles::take()
 {
-    return bytes_ < most_bytes_ ? std::make_unique<KeptTile>() : nullptr;
+    return bytes_ < most_bytes_ - most_bytes_ / 8 ? std::make_unique<KeptTile>() : nullptr;
+}
+
+void KeptTiles::remember(KeptTile& tile, std::unique_ptr<IndirectLight::Remembered> bounced)
+{
+    if (tile.bounced) bytes_ -= tile.bounced->bytes();
+    tile.bounced.reset();
+    if (!bounced || bytes_ >= most_bytes_) return;
+    bytes_ += bounced->bytes();
+    tile.bounced = std::move(bounced);
 }
 
 void KeptTiles::keep(std::size_t tile, std::unique_ptr<KeptTile> kept)

@@ -12,13 +12,14 @@
 // The proof is conservative: it tests boxes of 8 x 8 pixels' hits against boxes of objects.
 //
 // Cost: a frame: the tests of each tile against a tree of the changed boxes. A kept tile: copying its points. Memory:
-// 100 bytes a pixel, and 570 for one that mirrors.
+// 100 bytes a pixel, and 570 for one that mirrors; and what bounced light remembers, 10 bytes a pixel of a plane.
 
 #include <atomic>
 #include <memory>
 #include <vector>
 
 #include "base/box_tree.h"
+#include "trace/indirect_light.h"
 #include "trace/point_batch.h"
 #include "visibility/dynamic_bounds.h"
 
@@ -26,14 +27,20 @@ namespace gnomon::trace {
 
 /// A first hit that reflects diffusely, or whose other reflection needs no ray: what its bounced light is found from.
 struct KeptPoint {
-    glm::vec3 position{0}, geometric_normal{0}, normal{0}, to_viewer{0}, diffuse{0};
-    float coverage = 1, width = 0;
+    glm::vec3 position{0}, geometric_normal{0}, normal{0}, to_viewer{0};
+    float width = 0;
     scene::ObjectId object = scene::none;
     std::uint32_t triangle = 0;
     float u = 0, v = 0;
+};
+
+/// How it reflects its bounced light. Apart, because in most frames nothing else is read.
+struct KeptReflection {
+    glm::vec3 diffuse{0};
+    float coverage = 1;
     std::uint16_t pixel = 0;   // of the tile
     scene::ShadingModel model = scene::ShadingModel::metallic_roughness;
-    bool whole = false;   // it is the next one of KeptTile::whole instead
+    bool whole = false;   // the point is the next one of KeptTile::whole instead
 };
 
 /// A tile's first hits, before bounced light and what mirrors show.
@@ -41,13 +48,15 @@ struct KeptTile {
     static constexpr int k_block = 8;   // pixels a side
 
     std::vector<KeptPoint> points;   // in the order in which they are shaded
+    std::vector<KeptReflection> reflections;
     // Those from which rays go on, or which need more than the above.
     std::vector<TilePoint> whole;
     std::vector<visibility::ShadowPoint> whole_shadow_points;
-    std::vector<glm::vec3> color;   // by pixel of the tile: their light, and the background
-    Box3 hits;                      // where camera rays end and shadow rays begin
-    std::vector<Box3> blocks;       // the same, by block of pixels
-    bool misses = false;            // some camera ray left the scene
+    std::vector<glm::vec3> color;                         // by pixel of the tile: their light, and the background
+    Box3 hits;                                            // where camera rays end and shadow rays begin
+    std::vector<Box3> blocks;                             // the same, by block of pixels
+    bool misses = false;                                  // some camera ray left the scene
+    std::unique_ptr<IndirectLight::Remembered> bounced;   // null: nothing is remembered
 
     std::size_t bytes() const;
 };
@@ -55,7 +64,7 @@ struct KeptTile {
 class KeptTiles {
  public:
     static constexpr std::size_t k_most_bytes = std::size_t{256} << 20;
-    /// Between frames. Tiles beyond it are traced in each frame.
+    /// Between frames. Tiles beyond it, less an eighth for what bounced light remembers, are traced in each frame.
     /// @param bytes  at most k_most_bytes count
     void limit(std::size_t bytes);
 
@@ -71,10 +80,12 @@ class KeptTiles {
     /// Whether tiles that are traced in this frame should be kept.
     bool keeps() const { return bounds_ != nullptr; }
     /// Null: the tile must be traced. Thread-safe for different tiles, as keep().
-    const KeptTile* find(std::size_t tile) const { return keeps() ? tiles_[tile].get() : nullptr; }
+    KeptTile* find(std::size_t tile) const { return keeps() ? tiles_[tile].get() : nullptr; }
     /// Memory for a tile that is traced; null: there is none left. It is kept once it is given back.
     std::unique_ptr<KeptTile> take();
     void keep(std::size_t tile, std::unique_ptr<KeptTile> kept);
+    /// Keeps what a kept tile's bounced light remembers, if there is memory. Replaces what it remembered.
+    void remember(KeptTile& tile, std::unique_ptr<IndirectLight::Remembered> bounced);
 
     std::size_t bytes() const { return bytes_; }
 

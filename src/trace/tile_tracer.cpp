@@ -628,6 +628,12 @@ void TileTracer::add_indirect(const PointBatch& batch)
     if (!indirect_) return;
     interruption_point();
     indirect_->gather(batch, arrives_);
+    add_gathered(batch);
+}
+
+// Adds the light that was gathered for a batch.
+void TileTracer::add_gathered(const PointBatch& batch)
+{
     const bool notes = batch.primary && batch.first_sample && centres_ && !shades_further();
     for (std::size_t k = 0; k < arrives_.point.size(); ++k) {
         const TilePoint& point = batch.points[arrives_.point[k]];

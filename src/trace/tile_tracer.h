@@ -178,8 +178,11 @@ class TileTracer {
     void follow_hits(int sample, Stopwatch& watch);
     // Of the trace() of a tile that is kept (kept_shading.cpp).
     void keep_first_hits(KeptTile& kept) const;
-    void shade_kept(const KeptTile& kept, Stopwatch& watch);
+    void shade_kept(KeptTile& kept, KeptTiles& tiles, Stopwatch& watch);
     void take_kept_points(const KeptTile& kept);
+    void gather_kept(KeptTile& kept, KeptTiles& tiles);
+    void add_kept_bounced(const KeptTile& kept);
+    void note_kept_place(const KeptPoint& from, const glm::vec3& irradiance);
     void note_mirrored(std::span<const glm::vec3> without);
     void trace_queue(const PathQueue& queue);
     void shade_hits(const PathQueue& queue, bool primary, int sample, bool last_depth);
@@ -213,6 +216,7 @@ class TileTracer {
     void add_soft_light(bool primary, int sample, std::size_t first, std::size_t end, Stopwatch& watch);
     glm::vec3 reflect_bounced(const TilePoint& point, const glm::vec3& indirect, const glm::vec3& surroundings) const;
     void add_indirect(const PointBatch& batch);
+    void add_gathered(const PointBatch& batch);
     PathSplits split(const TilePoint& point, glm::vec3& reflected, glm::vec3& refracted) const;
     bool goes_on(Path& path) const;
     void queue_continuations(bool primary);
@@ -299,6 +303,7 @@ class TileTracer {
     std::vector<shadow_culling::ShadowPoint> kept_shadow_points_;
     std::vector<glm::vec3> kept_normals_;
     std::vector<char> kept_whole_;   // by point: it had all values
+    TilePoint kept_plain_;           // one that reflects diffusely
 
     // Lobes of primary hits.
     int rays_of_lobe_ = 0;   // for each sample; 0: rough surfaces reflect by mirror rays

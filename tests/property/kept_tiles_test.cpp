@@ -12,7 +12,8 @@
 namespace gnomon {
 namespace {
 
-// A room that is open to the sky on one side, with a mirror, three kinds of lights and two boxes that may move.
+// A room that is open to the sky on one side, with a mirror, three kinds of lights and three boxes that may move, of
+// which one never does.
 struct World {
     SceneBuilder builder;
     MaterialId grey, mirror;
@@ -42,6 +43,8 @@ struct World {
         const MeshId cube = builder.mesh({.positions = corners, .indices = sides});
         for (int i = 0; i < 2; ++i)
             boxes.push_back(builder.instance(cube, grey, placed(i, 0), {.mobility = Mobility::may_move}));
+        builder.instance(cube, grey, Transform::translation(1.2, 0.2, -0.6) * Transform::scaling(0.2, 0.2, 0.2),
+                         {.mobility = Mobility::may_move});
         bulb = builder.light({.color = {12, 12, 10}}, Transform::translation(0.5, 2.2, 0.5));
         builder.light({.type = LightType::spot, .color = {15, 20, 25}, .outer_angle = 0.6},
                       Transform::look_at({-1.5, 2.5, 1.5}, {0, 0, 0}));

@@ -152,5 +152,34 @@ TEST(KeptTile, StaysIfNothingChanged)
     EXPECT_FALSE(may_change(example.tile, example.place, BoxTree(std::vector<Box3>(2)), room.state, room.view, 0));
 }
 
+struct FakeMemory final : IndirectLight::Remembered {
+    explicit FakeMemory(std::size_t of) : size(of) {}
+    std::size_t bytes() const override { return size; }
+    std::size_t size;
+};
+
+// What bounced light remembers counts towards the limit, and an eighth of it is left for that.
+TEST(KeptTiles, LimitWhatBouncedLightRemembers)
+{
+    KeptTiles tiles;
+    tiles.limit(1000);
+    KeptTile a, b, c;
+    tiles.remember(a, std::make_unique<FakeMemory>(600));
+    EXPECT_EQ(tiles.bytes(), 600u);
+    EXPECT_TRUE(tiles.take());
+    tiles.remember(b, std::make_unique<FakeMemory>(300));
+    EXPECT_FALSE(tiles.take());
+    tiles.remember(a, std::make_unique<FakeMemory>(700));
+    EXPECT_EQ(tiles.bytes(), 1000u);
+    EXPECT_EQ(a.bounced->bytes(), 700u);
+    tiles.remember(c, std::make_unique<FakeMemory>(1));
+    EXPECT_FALSE(c.bounced);
+    tiles.remember(b, nullptr);
+    EXPECT_FALSE(b.bounced);
+    EXPECT_EQ(tiles.bytes(), 700u);
+    const std::size_t without = KeptTile{}.bytes();
+    EXPECT_EQ(a.bytes(), without + 700);
+}
+
 }   // namespace
 }   // namespace gnomon::trace

@@ -27,17 +27,20 @@ class NearFieldStep {
     /// Adds the selected points' irradiance.
     void blend(std::span<const IndirectPoint> points, glm::vec3* irradiance) const;
 
+    /// A near-field point of a pixel.
+    struct Selected {
+        std::uint32_t point;
+        float weight;
+        AnchorKey key;
+        CachePoint* part;
+    };
+    std::span<const Selected> selected() const { return selected_; }
+
  private:
     struct NearPixel {
         std::uint32_t point;
         NearHints::Cell cell;
         bool known;   // surfaces are close by; else another thread finds out
-    };
-    struct Selected {
-        std::uint32_t point;
-        float weight;
-        AnchorKey key;
-        const CachePoint* part;
     };
     void find_near_pixels(const CacheFrame& frame, std::span<const IndirectPoint> points, const BatchWork& work,
                           const FrameFailure& failure, CacheCounters& counters);

@@ -51,7 +51,7 @@ struct NearPartRequest {
 /// The four lattice points around some surface points.
 struct CollectedCell {
     AnchorKey key[4];
-    const CachePoint* point[4];
+    CachePoint* point[4];
     int level;
     std::size_t first, end;   // of the requests
     CellAnchors anchors;      // the points' values, once they are evaluated

@@ -52,7 +52,7 @@ LatticeReach reach_of(const CollectedCell& cell)
 }   // namespace
 
 void Interpolator::blend_level(const CacheFrame& frame, std::span<const IndirectPoint> points, BatchWork& work,
-                               glm::vec3* irradiance, CacheCounters& counters)
+                               glm::vec3* irradiance, CacheCounters& counters, BatchRecorder* recorder)
 {
     // Interpolate the four points of each cell.
     gather_anchors(work);
@@ -62,6 +62,7 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
         interpolate_cell(cell.anchors, reach_of(cell), work.lattice_points, cell.first, cell.end - cell.first, light_);
     leave_out_hidden(frame, points, work, counters);
     find_steep(work);
+    if (recorder) recorder->add_cells(work.cells);
     std::size_t kept = 0;
     for (std::size_t k = 0; k < work.lattice.size(); ++k) {
         LatticeRequest request = work.lattice[k];
@@ -90,6 +91,7 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
         if (const float rest = request.weight - weight; rest < 2 * k_least_rest)
             weight = std::min(request.weight, request.weight - 2 * std::max(rest - k_least_rest, 0.0f));
         irradiance[request.point] += weight * between;
+        if (recorder) recorder->add(request.point, request.cell, weight, light_, k);
         work.form_factor[request.point] += weight * light_.form_factor[k];
         if (!frame.near_field.applies_at(spacing)) work.near_weight[request.point] -= weight;
         request.weight -= weight;
@@ -209,6 +211,7 @@ void Interpolator::leave_out_hidden(const CacheFrame& frame, std::span<const Ind
         interpolate_cell(seen, reach_of(cell), work.lattice_points, k, 1, around_);
         light_.r[k] = around_.r[k], light_.g[k] = around_.g[k], light_.b[k] = around_.b[k];
         light_.form_factor[k] = around_.form_factor[k], light_.weight[k] = around_.weight[k];
+        for (int i = 0; i < 4; ++i) light_.weight_of[i][k] = around_.weight_of[i][k];
     }
 }
 

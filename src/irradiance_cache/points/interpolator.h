@@ -8,6 +8,7 @@
 // and out over a fraction of its range, so irradiance changes continuously with the distance.
 
 #include "irradiance_cache/points/collector.h"
+#include "irradiance_cache/points/remembered_batch.h"
 
 namespace gnomon::irradiance_cache {
 
@@ -20,8 +21,9 @@ class Interpolator {
  public:
     Interpolator() { rays_.purpose = ray::RayClass::indirect; }
     /// Adds the contribution of the collected cells, and leaves in `work` the requests for finer levels and parts.
+    /// @param recorder  optional: takes note of the contributions
     void blend_level(const CacheFrame& frame, std::span<const IndirectPoint> points, BatchWork& work,
-                     glm::vec3* irradiance, CacheCounters& counters);
+                     glm::vec3* irradiance, CacheCounters& counters, BatchRecorder* recorder = nullptr);
     /// Adds the contribution of the collected parts, and leaves in `work` requests for finer parts, or for parts around
     /// the pixel, where these do not represent it.
     void blend_parts(const CacheFrame& frame, std::span<const IndirectPoint> points, PartsAre are, BatchWork& work,

@@ -78,6 +78,7 @@ void interpolate_cell_of(const CellAnchors& cell, const LatticeReach& reach, con
         const auto any = hn::Gt(weight, zero);
         const auto safe = hn::IfThenElse(any, weight, one);
         hn::StoreU(weight, d, out.weight.data() + k);
+        for (int i = 0; i < 4; ++i) hn::StoreU(w[i], d, out.weight_of[i].data() + k);
         hn::StoreU(hn::IfThenElseZero(any, hn::Div(sum(form_factor), safe)), d, out.form_factor.data() + k);
         hn::StoreU(hn::IfThenElseZero(any, hn::Div(sum(red), safe)), d, out.r.data() + k);
         hn::StoreU(hn::IfThenElseZero(any, hn::Div(sum(green), safe)), d, out.g.data() + k);
@@ -101,7 +102,7 @@ void LatticePoints::resize(std::size_t count)
 
 void LatticeLight::resize(std::size_t count)
 {
-    for (auto* lane : {&r, &g, &b, &form_factor, &weight})
+    for (auto* lane : {&r, &g, &b, &form_factor, &weight, weight_of, weight_of + 1, weight_of + 2, weight_of + 3})
         if (lane->size() < count + LatticePoints::k_pad) lane->resize(count + LatticePoints::k_pad);
 }
 

@@ -32,9 +32,9 @@ struct LatticePoints {
 };
 
 /// Interpolated irradiance by colour, form factor, and the part of the bilinear weight (1 in total) of the cache points
-/// that contribute. Irradiance and form factor are 0 where the weight is 0.
+/// that contribute: in all, and by cache point. Irradiance and form factor are 0 where the weight is 0.
 struct LatticeLight {
-    std::vector<float> r, g, b, form_factor, weight;
+    std::vector<float> r, g, b, form_factor, weight, weight_of[4];
     void resize(std::size_t count);
 };
 

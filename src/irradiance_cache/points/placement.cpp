@@ -103,7 +103,8 @@ void PointPlacer::place(const CacheFrame& frame, std::span<CachePoint* const> cl
     for (CachePoint* point : claimed) {
         if (!is_lattice(point->key)) {
             const bool is_new = point->version == 0;
-            if (!is_new && point->dynamic_version == frame.dynamic_version) continue;
+            const bool may_move = point->owner != k_no_owner && point->dynamic_version != frame.dynamic_version;
+            if (!is_new && !may_move) continue;
             const float size = place_part(frame, *point);
             raised_.push_back(point);
             if (is_new && point->owner == k_no_owner && !is_near(point->key) && size > 0)

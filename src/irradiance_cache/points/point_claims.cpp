@@ -47,9 +47,14 @@ CachePoint* PointClaims::find_or_create(AnchorKey key)
     Recent& recent = recent_[(key * 0x9e3779b97f4a7c15ull) >> (64 - k_recent_bits)];
     if (recent.key == key && recent.frame == frame_) return recent.point;
     CachePoint& point = table_.find_or_create(key);
-    if (!claim(point) && point.ready.load(std::memory_order_acquire) != frame_) awaited_.push_back(&point);
+    find(point);
     recent = {key, frame_, &point};
     return &point;
+}
+
+void PointClaims::find(CachePoint& point)
+{
+    if (!claim(point) && point.ready.load(std::memory_order_acquire) != frame_) awaited_.push_back(&point);
 }
 
 // Whether the point became this thread's.

@@ -43,6 +43,8 @@ class PointClaims {
     void begin(std::uint32_t frame);
     /// The point of a key; claimed, awaited or ready.
     CachePoint* find_or_create(AnchorKey key);
+    /// The same for a point that is known already.
+    void find(CachePoint& point);
     std::span<CachePoint* const> claimed() const { return claimed_; }
     /// Takes from the claimed points those that `defer` returns true for: they are published as they are.
     template <class Defer>

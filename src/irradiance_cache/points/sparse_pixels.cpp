@@ -28,6 +28,28 @@ constexpr std::size_t place_of(int x, int y)
     return static_cast<std::size_t>(y) * SparsePixels::k_side + static_cast<std::size_t>(x);
 }
 
+// Interpolates values between those at the corners of blocks of pixels.
+// @param point     the number of the point at a pixel
+// @param computed  whether it has its value
+template <class Blocks, class Point, class Computed, class Value>
+void fill_between(const Blocks& blocks, const Point& point, const Computed& computed, Value* values)
+{
+    for (const auto& b : blocks) {
+        const Value low0 = values[point(b.x0, b.y0)], low1 = values[point(b.x1, b.y0)],
+                    high0 = values[point(b.x0, b.y1)], high1 = values[point(b.x1, b.y1)];
+        const float per_x = 1 / static_cast<float>(b.x1 - b.x0), per_y = 1 / static_cast<float>(b.y1 - b.y0);
+        for (int y = b.y0; y <= b.y1; ++y) {
+            const float v = static_cast<float>(y - b.y0) * per_y;
+            const Value left = low0 + v * (high0 - low0), right = low1 + v * (high1 - low1);
+            for (int x = b.x0; x <= b.x1; ++x) {
+                const std::size_t i = point(x, y);
+                if (computed(x, y, i)) continue;
+                values[i] = left + static_cast<float>(x - b.x0) * per_x * (right - left);
+            }
+        }
+    }
+}
+
 }   // namespace
 
 // Gives neighbouring pixels in a row or a column that lie in one plane the same number.
@@ -122,20 +144,33 @@ template <class Value>
 void SparsePixels::fill_blocks(Value* values) const
 {
     const auto point = [&](int x, int y) { return static_cast<std::size_t>(at_[place_of(x, y)]); };
-    for (const Block& b : blocks_) {
-        const Value low0 = values[point(b.x0, b.y0)], low1 = values[point(b.x1, b.y0)],
-                    high0 = values[point(b.x0, b.y1)], high1 = values[point(b.x1, b.y1)];
-        const float per_x = 1 / static_cast<float>(b.x1 - b.x0), per_y = 1 / static_cast<float>(b.y1 - b.y0);
-        for (int y = b.y0; y <= b.y1; ++y) {
-            const float v = static_cast<float>(y - b.y0) * per_y;
-            const Value left = low0 + v * (high0 - low0), right = low1 + v * (high1 - low1);
-            for (int x = b.x0; x <= b.x1; ++x) {
-                const std::size_t i = point(x, y);
-                if (direct_[i]) continue;
-                values[i] = left + static_cast<float>(x - b.x0) * per_x * (right - left);
-            }
-        }
+    fill_between(
+        blocks_, point, [&](int, int, std::size_t i) { return direct_[i] != 0; }, values);
+}
+
+RememberedPixels SparsePixels::remembered() const
+{
+    RememberedPixels result;
+    if (blocks_.empty()) return result;
+    result.point_.resize(k_pixels);
+    for (std::size_t place = 0; place < k_pixels; ++place) {
+        if (at_[place] < 0) continue;
+        const bool computed = direct_[static_cast<std::size_t>(at_[place])] != 0;
+        result.point_[place] = static_cast<std::uint16_t>(at_[place] | (computed ? RememberedPixels::k_computed : 0));
     }
+    result.blocks_.reserve(blocks_.size());
+    const auto byte = [](std::int32_t at) { return static_cast<std::uint8_t>(at); };
+    for (const Block& b : blocks_) result.blocks_.push_back({byte(b.x0), byte(b.y0), byte(b.x1), byte(b.y1)});
+    return result;
+}
+
+void RememberedPixels::fill(glm::vec3* values) const
+{
+    const auto point = [&](int x, int y) {
+        return static_cast<std::size_t>(point_[place_of(x, y)] & ~std::uint32_t{k_computed});
+    };
+    fill_between(
+        blocks_, point, [&](int x, int y, std::size_t) { return (point_[place_of(x, y)] & k_computed) != 0; }, values);
 }
 
 void SparsePixels::fill(glm::vec3* values) const

@@ -16,6 +16,23 @@
 
 namespace gnomon::irradiance_cache {
 
+/// Pixels that are interpolated on the screen, in little memory.
+class RememberedPixels {
+ public:
+    /// Interpolates their values between those of the others.
+    void fill(glm::vec3* values) const;
+    std::size_t bytes() const { return point_.capacity() * sizeof(std::uint16_t) + blocks_.capacity() * sizeof(Block); }
+
+ private:
+    friend class SparsePixels;
+    struct Block {
+        std::uint8_t x0, y0, x1, y1;   // its corners' pixels
+    };
+    static constexpr std::uint16_t k_computed = 1u << 15;   // marks points
+    std::vector<std::uint16_t> point_;                      // by pixel; empty without blocks
+    std::vector<Block> blocks_;
+};
+
 class SparsePixels {
  public:
     static constexpr int k_side = 32;   // of a tile, in pixels
@@ -29,6 +46,8 @@ class SparsePixels {
     /// Interpolates the values of the others.
     void fill(glm::vec3* values) const;
     void fill(float* values) const;
+    /// What fill() needs. The points are fewer than 2^15.
+    RememberedPixels remembered() const;
 
  private:
     struct Block {

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "irradiance_cache/points/remembered_batch.h"
+
+#include <algorithm>
+
+namespace gnomon::irradiance_cache {
+
+namespace {
+
+constexpr std::uint16_t k_none = 0xffff;
+
+}   // namespace
+
+// In the order of operations of interpolate_cell(), so that the light is the same to the bit.
+void RememberedBatch::add_lattice(glm::vec3* irradiance) const
+{
+    std::uint32_t next = 0;
+    for (const Cell& cell : cells) {
+        const CachePoint* from[4];
+        for (int i = 0; i < 4; ++i) from[i] = cached[cell.at[i]];
+        // Surface points of a plane have one normal.
+        glm::vec3 arrives[4] = {};
+        std::size_t normal = normals.size();
+        for (; next < cell.end; ++next) {
+            const Contribution& c = contributions[next];
+            if (c.normal != normal) {
+                normal = c.normal;
+                for (int i = 0; i < 4; ++i) arrives[i] = from[i]->irradiance(normals[normal]);
+            }
+            const glm::vec3 sum = (c.weight_of[0] * arrives[0] + c.weight_of[1] * arrives[1]) +
+                                  (c.weight_of[2] * arrives[2] + c.weight_of[3] * arrives[3]);
+            irradiance[c.point] += c.weight * (sum / c.all);
+        }
+    }
+}
+
+void RememberedBatch::add_near(glm::vec3* irradiance) const
+{
+    for (const Near& n : near) irradiance[n.point] += n.weight * cached[n.at]->irradiance(normals[n.normal]);
+}
+
+std::size_t RememberedBatch::bytes() const
+{
+    return sizeof(RememberedBatch) + cached.capacity() * sizeof(CachePoint*) + normals.capacity() * sizeof(glm::vec3) +
+           cells.capacity() * sizeof(Cell) + contributions.capacity() * sizeof(Contribution) + pixels.bytes() +
+           near.capacity() * sizeof(Near) + rest.capacity() * sizeof(std::uint16_t) +
+           rest_points.capacity() * sizeof(IndirectPoint);
+}
+
+void BatchRecorder::begin()
+{
+    cells_.clear(), contributions_.clear(), rest_.clear(), near_.clear();
+    first_cell_ = 0;
+}
+
+void BatchRecorder::add_cells(std::span<const CollectedCell> cells)
+{
+    first_cell_ = cells_.size();
+    for (const CollectedCell& cell : cells)
+        cells_.push_back({{cell.point[0], cell.point[1], cell.point[2], cell.point[3]}});
+}
+
+void BatchRecorder::add(std::uint32_t point, std::uint32_t cell, float weight, const LatticeLight& light, std::size_t k)
+{
+    if (weight == 0 || !(light.weight[k] > 0)) return;   // no light
+    RememberedBatch::Contribution of{static_cast<std::uint16_t>(point), 0, weight, {}, light.weight[k]};
+    for (int i = 0; i < 4; ++i) of.weight_of[i] = light.weight_of[i][k];
+    contributions_.push_back({static_cast<std::uint32_t>(first_cell_) + cell, of});
+}
+
+void BatchRecorder::add_rest(std::span<const PartRequest> parts)
+{
+    for (const PartRequest& part : parts) rest_.push_back(part.point);
+    std::ranges::sort(rest_);
+    rest_.erase(std::unique(rest_.begin(), rest_.end()), rest_.end());
+}
+
+std::unique_ptr<RememberedBatch> BatchRecorder::finish(std::span<const IndirectPoint> points,
+                                                       const SparsePixels& pixels)
+{
+    auto result = std::make_unique<RememberedBatch>();
+    RememberedBatch& to = *result;
+    to.count = points.size();
+    to.pixels = pixels.remembered();
+    // Leave out what is computed anew.
+    std::erase_if(contributions_,
+                  [&](const Contribution& c) { return std::ranges::binary_search(rest_, std::uint32_t{c.of.point}); });
+    to.rest.reserve(rest_.size()), to.rest_points.reserve(rest_.size());
+    for (const std::uint32_t p : rest_) {
+        to.rest.push_back(static_cast<std::uint16_t>(p));
+        to.rest_points.push_back(points[p]);
+    }
+
+    // List each cache point once.
+    for (const Contribution& c : contributions_)
+        for (CachePoint* const point : cells_[c.cell].point) to.cached.push_back(point);
+    for (const Near& n : near_) to.cached.push_back(n.cached);
+    std::ranges::sort(to.cached);
+    to.cached.erase(std::unique(to.cached.begin(), to.cached.end()), to.cached.end());
+    to.cached.shrink_to_fit();
+    const auto number = [&](const CachePoint* point) {
+        return static_cast<std::uint32_t>(std::ranges::lower_bound(to.cached, point) - to.cached.begin());
+    };
+    normal_of_.assign(points.size(), k_none);
+    const auto normal_of = [&](std::uint32_t point) {
+        const glm::vec3& normal = points[point].normal;
+        if (normal_of_[point] == k_none) {
+            if (to.normals.empty() || to.normals.back() != normal) to.normals.push_back(normal);
+            normal_of_[point] = static_cast<std::uint16_t>(to.normals.size() - 1);
+        }
+        return normal_of_[point];
+    };
+
+    to.contributions.reserve(contributions_.size());
+    for (std::size_t c = 0; c < contributions_.size(); ++c) {
+        if (c == 0 || contributions_[c].cell != contributions_[c - 1].cell) {
+            RememberedBatch::Cell& cell = to.cells.emplace_back();
+            for (int i = 0; i < 4; ++i) cell.at[i] = number(cells_[contributions_[c].cell].point[i]);
+        }
+        to.contributions.push_back(contributions_[c].of);
+        to.contributions.back().normal = normal_of(contributions_[c].of.point);
+        to.cells.back().end = static_cast<std::uint32_t>(c + 1);
+    }
+    to.near.reserve(near_.size());
+    for (const Near& n : near_)
+        to.near.push_back({static_cast<std::uint16_t>(n.point), normal_of(n.point), number(n.cached), n.weight});
+    to.cells.shrink_to_fit(), to.normals.shrink_to_fit();
+    return result;
+}
+
+}   // namespace gnomon::irradiance_cache
