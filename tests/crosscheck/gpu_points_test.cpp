@@ -231,7 +231,7 @@ struct Lighting {
     {
         World world(name, frames.front(), threads, arithmetic);
         CacheOptions options;
-        options.memory = memory;
+        options.memory = options.ample_memory = memory;
         IrradianceCache visible(world.state, world.rays, options, world.tasks);
         std::unique_ptr<gpu_scene::GpuScene> scene;
         GpuPoints* engine = nullptr;

@@ -153,7 +153,7 @@ TEST(IrradianceCache, MemoryLimitChangesNoFrame)
     const auto walk = [](std::size_t memory, std::size_t& most) {
         World world("kinetic", 1, 2);
         CacheOptions visible_options;
-        visible_options.memory = memory;
+        visible_options.memory = visible_options.ample_memory = memory;
         IrradianceCache visible(world.state, world.rays, visible_options, world.tasks);
         trace::CachedIndirect indirect(visible);
         trace::TracedOptions options;
@@ -176,7 +176,7 @@ TEST(IrradianceCache, MemoryLimitChangesNoFrame)
 TEST(IrradianceCache, MemoryLimitChangesNoNearField)
 {
     CacheOptions little = with_near_field();
-    little.memory = 1;
+    little.memory = little.ample_memory = 1;
     EXPECT_TRUE(same_bits(indirect_of("cornell", {5, 6, 7, 8}, 2, 128, with_near_field()),
                           indirect_of("cornell", {5, 6, 7, 8}, 2, 128, little)));
 }

@@ -172,7 +172,7 @@ TEST(RememberedBatch, LightInJointsAndFoldsIsThatOfNewLookUps)
 TEST(RememberedBatch, HoldsWithLittleMemory)
 {
     CacheOptions little = with_near_field();
-    little.memory = 1;
+    little.memory = little.ample_memory = 1;
     expect_same_as_anew("cornell", 5, little);
 }
 

@@ -460,10 +460,13 @@ TEST(ViewSession, NewRequestInterruptsTheFrameInProgress)
         const std::uint64_t shown = session.image(0)->number;
         const Clock::time_point asked = Clock::now();
         const std::uint64_t wanted = session.ask(at(0.2));
-        ASSERT_TRUE(comes([&] { return session.image(0)->request == wanted; }));
+        ASSERT_TRUE(comes([&] {
+            const auto image = session.image(0);
+            EXPECT_TRUE(image->number == shown || image->request == wanted) << "of the first request";
+            return image->request == wanted;
+        }));
         const double reaction = seconds_since(asked);
         EXPECT_LT(reaction, 0.5 * whole);
-        EXPECT_EQ(session.image(shown)->number, shown + 1) << "nothing of the first request was shown meanwhile";
         ASSERT_TRUE(comes([&] { return !session.busy() && !session.refining(); }));
         EXPECT_TRUE(same(session.image(0), finished(fresh, at(0.2))));
         EXPECT_EQ(session.load_state().frame_error, "");
