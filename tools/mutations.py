@@ -791,4 +791,13 @@ MUTATIONS = (
         "src/irradiance_cache/points/interpolator.cpp",
         "for (int i = 0; i < 4; ++i) light_.weight_of[i][k] = around_.weight_of[i][k];", "",
         "property:RememberedBatch.*"),
+    row("more-than-ample", "irradiance_cache", "the cache takes four times a frame's memory, however much that is",
+        "src/irradiance_cache/points/point_table.cpp", "std::min(4 * size[0], memory.ample)", "4 * size[0]",
+        "unit:PointTable.*"),
+    row("moved-behind", "viewer", "an image is moved so that what is behind comes before what is near",
+        "viewer/reprojection.cpp", "for (int i = count; i >= 0; --i)", "for (int i = 0; i <= count; ++i)",
+        "unit:Reprojection.*"),
+    row("nearness-of-a-neighbour", "viewer", "an enlarged pixel has another surface's depth than that of its colour",
+        "viewer/enlarge.cpp", "out.nearness[place] = color.w;", "out.nearness[place] = cell_.color[5].w;",
+        "unit:Enlarge.*"),
 )
