@@ -243,7 +243,7 @@ TEST(View, AClipIsChosenFromTheList)
     const ScratchFolder folder;
     write_two_clips(folder / "two.gltf");
     const Seen seen = drive(folder, "two.gltf", "",
-                            "sleep 3\nmousemove 90 83\nclick 1\nsleep 2\nmousemove 60 141\nclick 1\nsleep 3\n"
+                            "sleep 6\nmousemove 90 83\nclick 1\nsleep 2\nmousemove 60 141\nclick 1\nsleep 3\n"
                             "mousemove 350 300\nkey Home\nkey Right\nkey Right\nkey Right\nsleep 0.5\nkey p\n"
                             "await gnomon-0001.png\nkey Escape\n",
                             "400x500");
@@ -274,8 +274,8 @@ TEST(View, ACameraIsChosenFromTheList)
     text.replace(text.find("[0,0,6]}"), 8, R"([0,0,6]},{"camera":0,"translation":[1,0,4]})");
     std::ofstream(folder / "two.gltf") << text;
     const Seen seen = drive(folder, "two.gltf", "",
-                            "sleep 3\nmousemove 380 300\nmousedown 1\nmousemove 370 320\nmousemove 360 350\nmouseup 1\n"
-                            "sleep 1\nmousemove 90 106\nclick 1\nsleep 2\nmousemove 60 164\nclick 1\nsleep 2\n"
+                            "sleep 6\nmousemove 380 300\nmousedown 1\nmousemove 370 320\nmousemove 360 350\nmouseup 1\n"
+                            "sleep 3\nmousemove 90 106\nclick 1\nsleep 2\nmousemove 60 164\nclick 1\nsleep 2\n"
                             "mousemove 350 300\nkey Home\nsleep 0.5\nkey p\nawait gnomon-0001.png\nkey Escape\n",
                             "400x500");
     ASSERT_EQ(seen.code, 0) << seen.err;
