@@ -26,7 +26,7 @@ int run_view(const CommandLine& line, Output& output)
                               summary.median_image_ms, summary.longest_ms));
     output.detail(fmt::format("{} inputs, each shown after {:.0f} ms in the median and {:.0f} ms at most",
                               summary.latency.inputs, summary.latency.median_ms, summary.latency.longest_ms));
-    output.detail(fmt::format("by an image rendered for it after {:.0f} ms in the median and {:.0f} ms at most",
+    output.detail(fmt::format("images rendered for them were shown after {:.0f} ms in the median and {:.0f} ms at most",
                               summary.rendered.median_ms, summary.rendered.longest_ms));
     output.finish({{"version", std::string(version())},
                    {"scene", line.positionals[0]},

@@ -39,13 +39,19 @@ glm::dvec3 origin_of(const Camera& camera)
     return glm::dvec3(matrix_of(camera.transform)[3]);
 }
 
+// Between 0 and `last`, whatever a camera without a width or a depth makes of a place.
+float clamped(float value, float last)
+{
+    return value > 0 ? std::min(value, last) : 0;
+}
+
 // The colour between four pixels' centres.
 // @param at  in pixels, from the centre of the first one
 void sample(const Image8& image, const glm::vec2& at, std::uint8_t* to)
 {
     constexpr int k_whole = 256;
     const auto fixed = [](float value, int last) {
-        return static_cast<int>(k_whole * std::clamp(value, 0.0f, static_cast<float>(last)));
+        return static_cast<int>(k_whole * clamped(value, static_cast<float>(last)));
     };
     const int x = fixed(at.x, image.width - 1), y = fixed(at.y, image.height - 1);
     const int right = x % k_whole, below = y % k_whole;
@@ -76,7 +82,7 @@ struct Reprojection::Nearness {
     {
         const auto pixel = [](float fraction, std::size_t count) {
             return static_cast<std::size_t>(
-                std::clamp(fraction * static_cast<float>(count), 0.0f, static_cast<float>(count - 1)));
+                clamped(fraction * static_cast<float>(count), static_cast<float>(count - 1)));
         };
         return values[pixel(place.y, height) * width + pixel(place.x, width)];
     }

@@ -114,6 +114,11 @@ TEST(Reprojection, AMovedImageIsAlmostThatOfTheOtherCamera)
         EXPECT_GT(before, 4) << c.what << ": the test sees nothing";
         EXPECT_LT(after, c.most) << c.what << ", " << before << " where it is not moved";
     }
+    // A camera that is no camera makes an image of some kind.
+    Camera flat = from;
+    flat.vertical_fov = 0;
+    if (const auto any = Reprojection::between(from, flat, k_size)) any->moved(seen.image, seen.nearness);
+    if (const auto any = Reprojection::between(flat, from, k_size)) any->moved(seen.image, seen.nearness);
     const auto none = Reprojection::between(from, from, k_size);
     ASSERT_TRUE(none);
     EXPECT_LT(difference(none->moved(seen.image, seen.nearness), seen.image), 0.1);
