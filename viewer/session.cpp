@@ -234,7 +234,9 @@ std::uint64_t ViewSession::ask(ViewRequest request)
     if (request_ && request_->pick && !request.pick && request_->scene == request.scene) request.pick = request_->pick;
     // Every pick is answered, and a frame that is to be saved is finished.
     if (request.pick || request.whole || !survives_interruption(request.options)) request.interruptible = false;
+    if (request_ && request_->urgent) request.urgent = true;   // it has that change, too
     request.number = ++asked_;
+    if (request.urgent) urgent_ = request.number;
     interruptible_ = request.interruptible;
     request_ = std::move(request);
     refining_ = false;
@@ -460,13 +462,14 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     if (in_motion) input.indirect_ray_limit = std::clamp<std::uint64_t>(*request.rays, 1, rays_a_frame_);
     hand_over_overrides(*scene, request, input);
 
-    // Render the frame; a newer request interrupts it if it only refines what is shown.
+    // Render the frame; a newer request interrupts it if it only refines what is shown, an urgent one in any case.
     const bool yields = request.interruptible || (refines && survives_interruption(request.options));
+    const bool yields_to_urgent = !request.urgent && !request.whole && survives_interruption(request.options);
     auto image = std::make_shared<ViewImage>();
     Frame& frame = image->frame;
     const auto goes_on = [&](const ProgressStep& step) {
         if (prepares && !early && request.early) note_preparing(preparing_text(step));
-        return !leaving_ && !(yields && asked_ != request.number);
+        return !leaving_ && !(yields && asked_ != request.number) && !(yields_to_urgent && urgent_ > request.number);
     };
     try {
         frame = renderer_.render(*scene, input, goes_on);
@@ -496,6 +499,9 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     image->request = request.number;
     image->camera = renderer_.camera();
     image->orbit = request.orbit;
+    image->time = request.time;
+    image->overrides = request.overrides;
+    if (!enlarges && !request.whole && options.overlay == Overlay::none) image->nearness = nearness_before(*image);
     const Box bounds = renderer_.bounds();
     if (!bounds.empty())
         image->bounds = {{bounds.low.x, bounds.low.y, bounds.low.z}, {bounds.high.x, bounds.high.y, bounds.high.z}};
@@ -519,6 +525,28 @@ std::optional<Picked> ViewSession::picked_before(const std::shared_ptr<const Sce
 {
     const auto last = image(0);
     return last && last->scene == scene ? last->picked : std::nullopt;
+}
+
+// What is known of an image's depths from the newest one, if that shows the same: the images of a view that comes to
+// rest follow one another, and those in motion have depths.
+std::vector<float> ViewSession::nearness_before(const ViewImage& image) const
+{
+    const auto last = this->image(0);
+    if (!last || last->nearness.empty() || last->scene != image.scene || !(last->camera == image.camera) ||
+        last->time != image.time || last->overrides != image.overrides)
+        return {};
+    const int width = image.image.width, height = image.image.height;
+    if (last->image.width == width && last->image.height == height) return last->nearness;
+    std::vector<float> nearness;
+    nearness.reserve(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    for (int y = 0; y < height; ++y) {
+        const auto row = static_cast<std::size_t>((2 * y + 1) * last->image.height / (2 * height)) *
+                         static_cast<std::size_t>(last->image.width);
+        for (int x = 0; x < width; ++x)
+            nearness.push_back(
+                last->nearness[row + static_cast<std::size_t>((2 * x + 1) * last->image.width / (2 * width))]);
+    }
+    return nearness;
 }
 
 void ViewSession::hand_over_overrides(const Scene& scene, const ViewRequest& request, FrameInput& input)

@@ -62,6 +62,9 @@ struct ViewRequest {
     /// Until the scene's bounced light is prepared, which may take seconds, images come without it, and the one with it
     /// follows the last of them. A newer request interrupts the preparation, which then begins again.
     bool early = false;
+    /// More than the view and its time changed: an image of the request before is not waited for, unless that one is
+    /// urgent as well.
+    bool urgent = false;
     int enlarge = 1;   // how many times as wide its images are, with sharp edges between surfaces (viewer/enlarge.h)
     std::uint64_t number = 0;   // given by ask()
 };
@@ -91,11 +94,14 @@ struct ViewImage {
     std::shared_ptr<const Scene> scene;
     Frame frame;    // without layers, unless the request was for a whole frame
     Image8 image;   // the frame in sRGB, or enlarged
-    /// By pixel of an enlarged image: 1 divided by the depth of what it shows along the camera's axis, 0 without any.
+    /// By pixel: 1 divided by the depth of what it shows along the camera's axis, 0 without any. Of enlarged images,
+    /// and of sharper ones of the same view that follow them; empty for others.
     std::vector<float> nearness;
-    Camera camera;                 // with which it was rendered
-    std::optional<Camera> orbit;   // its request's
-    Box3 bounds;                   // of the scene
+    Camera camera;                         // with which it was rendered
+    std::optional<Camera> orbit;           // its request's
+    double time = 0;                       // its request's
+    std::vector<UserOverride> overrides;   // its request's
+    Box3 bounds;                           // of the scene
     ViewTimes times;
     bool early = false;             // bounced light is being prepared
     std::uint64_t number = 0;       // counts up
@@ -151,8 +157,8 @@ class ViewSession {
     /// The scene that requests refer to; null: none yet.
     std::shared_ptr<const Scene> scene() const;
 
-    /// Requests a frame. Replaces a request whose rendering has not begun. Interrupts one that is interruptible, and
-    /// the refining of the one before; no image of theirs follows.
+    /// Requests a frame. Replaces a request whose rendering has not begun. Interrupts one that is interruptible, any
+    /// that is not urgent if this one is, and the refining of the one before; no image of theirs follows.
     /// @return its number, from 1
     std::uint64_t ask(ViewRequest request);
     /// A request waits for its first image.
@@ -174,6 +180,7 @@ class ViewSession {
     void hand_over_overrides(const Scene& scene, const ViewRequest& request, FrameInput& input);
     Picked pick(const Scene& scene, const Frame& frame, const glm::vec2& place);
     std::optional<Picked> picked_before(const std::shared_ptr<const Scene>& scene) const;
+    std::vector<float> nearness_before(const ViewImage& image) const;
     void fail(std::uint64_t request, const std::string& message);
     void note_preparing(const std::string& stage);
     void tell() const;
@@ -185,7 +192,8 @@ class ViewSession {
     std::condition_variable_any to_load_, to_render_;
     std::optional<SceneRecipe> wanted_;
     std::optional<ViewRequest> request_;
-    std::atomic<std::uint64_t> asked_ = 0;   // number of the last request; written under the mutex
+    std::atomic<std::uint64_t> asked_ = 0;    // number of the last request; written under the mutex
+    std::atomic<std::uint64_t> urgent_ = 0;   // number of the last urgent one; written under the mutex
     bool rendering_ = false, refining_ = false, interruptible_ = false;
     LoadState state_;
     std::shared_ptr<const Scene> scene_;

@@ -151,6 +151,7 @@ void Viewer::Impl::ask()
     request.whole = whole;
     request.interruptible = sharper;
     request.early = !whole;
+    request.urgent = other;
     if (!whole && !sharper) request.rays = motion_size.rays();
     requested_divisor = whole ? 1 : sharper ? requested_divisor / 2 : motion_size.divisor();
     request.size = {std::max(size.width / requested_divisor, 16), std::max(size.height / requested_divisor, 16)};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What the viewer's window asks for and gets.
+// LONG: one way to ask a session and to wait for it, which all these tests share.
 #ifdef GNOMON_VIEWER
 #include "viewer/session.h"
 
@@ -491,6 +492,99 @@ TEST(ViewSession, NewRequestWaitsForTheFirstImage)
     ASSERT_TRUE(comes([&] { return (image = session.image(0)) != nullptr; }));
     EXPECT_EQ(image->request, saved);
     EXPECT_FALSE(image->frame.layers.empty()) << "it can be saved";
+}
+
+// What changes more than view and time does not wait for an image in motion; that image waits for nothing else.
+TEST(ViewSession, UrgentRequestInterruptsAnImageInMotion)
+{
+    ViewSession session(1), fresh(1);
+    load(session), load(fresh);
+    finished(session, at(0));
+    ViewRequest slow = at(0.8);
+    slow.size = {320, 240};
+    slow.options.samples = 64;
+    ViewRequest urgent = at(0.2);
+    urgent.urgent = true;
+    for (const bool both : {false, true}) {
+        slow.urgent = both;
+        const std::uint64_t first = session.ask(slow);
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));   // the frame is in progress
+        const std::uint64_t wanted = session.ask(urgent);
+        bool seen = false;
+        ASSERT_TRUE(comes([&] {
+            seen = seen || session.image(0)->request == first;
+            return session.image(0)->request == wanted;
+        }));
+        EXPECT_EQ(seen, both) << "a second urgent one waits, so that images come however many follow one another";
+        ASSERT_TRUE(comes([&] { return !session.busy() && !session.refining(); }));
+        EXPECT_TRUE(same(session.image(0), finished(fresh, at(0.2))));
+    }
+
+    // A change that waits stays urgent if another request takes its place.
+    slow.urgent = false;
+    const std::uint64_t first = session.ask(slow);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    session.ask(urgent);
+    const std::uint64_t second = session.ask(slow);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));   // the second one is in progress
+    const std::uint64_t last = session.ask(urgent);
+    bool seen = false;
+    ASSERT_TRUE(comes([&] {
+        EXPECT_NE(session.image(0)->request, first);
+        seen = seen || session.image(0)->request == second;
+        return session.image(0)->request == last;
+    }));
+    EXPECT_TRUE(seen);
+}
+
+// The sharper images of a view that has come to rest have the depths of the image in motion before.
+TEST(ViewSession, ImagesAtRestHaveTheDepthsOfThoseInMotion)
+{
+    ViewSession session(1);
+    load(session);
+    EXPECT_TRUE(finished(session, at(0.8))->nearness.empty());
+    ViewRequest small = at(0.8);
+    small.enlarge = 3;
+    ASSERT_FALSE(finished(session, small)->nearness.empty());
+    for (const Size size : {Size{144, 108}, Size{200, 150}, Size{96, 72}}) {
+        ViewRequest rest = at(0.8);
+        rest.size = size;
+        const auto image = finished(session, rest);
+        RenderOptions options;
+        options.size = size;
+        options.layers = true;
+        options.indirect = Indirect::off;
+        Renderer renderer;
+        renderer.set_options(options);
+        FrameInput input;
+        input.time = 0.8;
+        input.camera = image->camera;
+        const Frame frame = renderer.render(*session.scene(), input);
+        const Layer* const depth = frame.layer("depth");
+        ASSERT_TRUE(depth);
+        ASSERT_EQ(image->nearness.size(), static_cast<std::size_t>(size.width * size.height));
+        int near = 0;
+        for (int y = 0; y < size.height; ++y)
+            for (int x = 0; x < size.width; ++x) {
+                const float d = depth->value(x, y),
+                            known = image->nearness[static_cast<std::size_t>(y * size.width + x)];
+                near += std::abs(known - (d > 0 ? 1 / d : 0)) < 0.03f * known + 1e-6f;
+            }
+        EXPECT_GT(near, 0.95 * size.width * size.height) << size.width;
+    }
+    EXPECT_TRUE(finished(session, at(0.2))->nearness.empty()) << "of another time";
+    finished(session, small);
+    ViewRequest moved = at(0.8);
+    moved.scene = session.scene();
+    moved.overrides.push_back(raised(*session.scene(), "ball"));
+    EXPECT_TRUE(finished(session, moved)->nearness.empty()) << "with an object elsewhere";
+    finished(session, small);
+    ViewRequest other = at(0.8);
+    other.scene = session.scene();
+    other.camera = "";
+    other.orbit = session.image(0)->camera;
+    other.orbit->transform.m[12] += 0.1;
+    EXPECT_TRUE(finished(session, other)->nearness.empty()) << "of another camera";
 }
 
 TEST(ViewSession, WholeFrameEqualsTheRefinedOne)
