@@ -459,6 +459,7 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     constexpr int k_most_doublings = 8;
     refined_ = refines ? std::min(refined_ + 1, k_most_doublings) : 0;
     input.indirect_ray_limit = request.whole ? 0 : rays_a_frame_ << refined_;
+    input.preview = !request.whole && !refines && (request.preview || early);
     if (in_motion) input.indirect_ray_limit = std::clamp<std::uint64_t>(*request.rays, 1, rays_a_frame_);
     hand_over_overrides(*scene, request, input);
 

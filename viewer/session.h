@@ -62,6 +62,8 @@ struct ViewRequest {
     /// Until the scene's bounced light is prepared, which may take seconds, images come without it, and the one with it
     /// follows the last of them. A newer request interrupts the preparation, which then begins again.
     bool early = false;
+    /// The first image is a preview (FrameInput::preview), as one that comes without bounced light is in any case.
+    bool preview = false;
     /// More than the view and its time changed: an image of the request before is not waited for, unless that one is
     /// urgent as well.
     bool urgent = false;

@@ -156,6 +156,7 @@ void Viewer::Impl::ask()
     requested_divisor = whole ? 1 : sharper ? requested_divisor / 2 : motion_size.divisor();
     request.size = {std::max(size.width / requested_divisor, 16), std::max(size.height / requested_divisor, 16)};
     request.coarse = !whole && !sharper && requested_divisor > 1;
+    request.preview = !whole && requested_divisor > 1;
     request.enlarge = enlargement(request.size, requested_divisor);
     if (own_camera) request.orbit = camera.camera();
     request.pick = std::exchange(pick, std::nullopt);

@@ -84,8 +84,8 @@ struct Frame {
     FrameTimes times;          // the same time by stage
     double time = 0;           // scene time in seconds
     int frame = 1;             // of the clip; 0 if a time was given
-    /// No light is missing because of FrameInput::indirect_ray_limit; otherwise the next frame of the same input has
-    /// more of it.
+    /// No light is missing because of FrameInput::indirect_ray_limit, of which the next frame of the same input has
+    /// more, and none is rough because of FrameInput::preview.
     bool complete = true;
     double fps = 0;   // of the scene's clip
     /// From the world to the camera's space, which looks along -Z with +Y up.

@@ -93,6 +93,12 @@ struct FrameInput {
     /// input, until Frame::complete. 0: no limit, every frame is complete.
     std::uint64_t indirect_ray_limit = 0;
 
+    /// The image is one that another will replace, as in a window while the view moves: environment images light it by
+    /// some 40 rays for each point, in the same directions for all, where otherwise some hundreds are traced, so that
+    /// shadows have steps. Such a frame is not complete, and leaves the bytes of later ones as they are. Of traced
+    /// frames; the rasteriser makes no difference.
+    bool preview = false;
+
     /// Layers to be written into memory of the caller's once the frame is rendered. With another error, nothing is
     /// written.
     std::vector<Output> outputs{};

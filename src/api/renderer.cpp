@@ -435,6 +435,7 @@ Frame Renderer::Impl::render(const Scene& scene, const FrameInput& input, const 
     const frame::Shown shown = engine.shown();
     if (shown == frame::Shown::shadow_states) request.overlay_lights = api::overlay_lights(inside, options);
     request.indirect_ray_limit = input.indirect_ray_limit;
+    request.preview = input.preview;
     has_frame = false;
     result.counters = engine.render(view, request);
     result.counters.update = {engine.state()->changes().touched_nodes, engine.touched_instances(), began_anew};

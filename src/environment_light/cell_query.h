@@ -63,6 +63,7 @@ struct CellVisibility::Query {
     std::size_t count() const { return asked.size(); }
     const visibility::ShadowPoint& point(std::size_t k) const { return points[asked[k]]; }
     std::vector<char> is_coarse = {};   // by asked point; empty: none
+    bool rough = false;                 // so are all
     bool coarse(std::size_t k) const { return k >= first && !is_coarse.empty() && is_coarse[k] != 0; }
     int pass(std::size_t k) const { return k < first ? k_answered : guides.empty() ? 0 : guides[k].pass; }
     std::span<std::uint64_t> of(std::vector<std::uint64_t>& masks, std::size_t k) const

@@ -9,11 +9,36 @@ namespace {
 // A point that sees less than this fraction of the light above it sees little: a cell is much of its light.
 constexpr float k_dim = 1 / 4.0f;
 
+// Calls body(row, leaf) for each row of leaves some of which are above a surface, with the one that stands in for them
+// there: the first one above it if that of all is not.
+template <class Body>
+void for_each_row(std::span<const StoodFor> rows, std::span<const std::uint64_t> above, const Body& body)
+{
+    for (const StoodFor& row : rows) {
+        std::size_t leaf = row.stand_in;
+        if (!has(above, leaf)) {
+            leaf = row.first;
+            while (leaf < row.first + row.leaves && !has(above, leaf)) ++leaf;
+            if (leaf == row.first + row.leaves) continue;
+        }
+        body(row, leaf);
+    }
+}
+
+// Sets or clears leaves of a row.
+void set_row(std::span<std::uint64_t> mask, const StoodFor& row, std::span<const std::uint64_t> of, bool value)
+{
+    for_each_word(row.first, row.leaves, [&](std::size_t w, std::uint64_t bits) {
+        mask[w] = value ? mask[w] | (bits & of[w]) : mask[w] & ~bits;
+    });
+}
+
 }   // namespace
 
 // Decides the cells of coarse points. Those that see little then count as others, which decide all of their cells.
 void CellVisibility::decide_coarse(Query& query) const
 {
+    if (query.rough) return decide_roughly(query);
     Scratch& scratch = query.scratch;
     const auto for_each_point = [&](const auto& body) {
         for (std::size_t k = 0; k < query.count(); ++k)
@@ -32,6 +57,24 @@ void CellVisibility::decide_coarse(Query& query) const
         if (light_of(query.seen.of(k), normal) < k_dim * light_of(query.of(scratch.above, k), normal))
             query.is_coarse[k] = 0;
     });
+}
+
+// Decides the cells of rough points.
+void CellVisibility::decide_roughly(const Query& query) const
+{
+    Scratch& scratch = query.scratch;
+    for (std::size_t k = query.first; k < query.count(); ++k) {
+        const auto wanted = query.of(scratch.wanted, k);
+        for_each_row(cells_.few_stood_for(), query.of(scratch.above, k),
+                     [&](const StoodFor&, std::size_t leaf) { set(wanted, leaf, true); });
+    }
+    decide_wanted(query, 0);
+    for (std::size_t k = query.first; k < query.count(); ++k) {
+        const auto above = query.of(scratch.above, k);
+        const auto mask = query.seen.of(k);
+        for_each_row(cells_.few_stood_for(), above,
+                     [&](const StoodFor& row, std::size_t leaf) { set_row(mask, row, above, has(mask, leaf)); });
+    }
 }
 
 // Takes each cell to be as the one that stands in for it, and wants it where that lies below the surface.
@@ -55,6 +98,12 @@ void CellVisibility::follow_stand_ins(const Query& query, std::size_t k) const
 void CellVisibility::leave_stand_ins(const Query& query, std::size_t k) const
 {
     const auto above = query.of(query.scratch.above, k), wanted = query.of(query.scratch.wanted, k);
+    if (query.rough)
+        return for_each_row(cells_.few_stood_for(), above, [&](const StoodFor& row, std::size_t leaf) {
+            const bool asks = has(wanted, leaf);
+            set_row(wanted, row, above, false);
+            set(wanted, leaf, asks);
+        });
     for_each_bit(wanted, [&](std::size_t leaf) {
         const std::size_t stand_in = cells_.stand_in_of(leaf);
         if (stand_in != leaf && has(above, stand_in)) wanted[leaf / 64] &= ~(std::uint64_t{1} << (leaf % 64));
@@ -66,6 +115,10 @@ void CellVisibility::follow_hidden(const Query& query, std::size_t k) const
 {
     const auto above = query.of(query.scratch.above, k);
     const auto mask = query.seen.of(k);
+    if (query.rough)
+        return for_each_row(cells_.few_stood_for(), above, [&](const StoodFor& row, std::size_t leaf) {
+            if (!has(mask, leaf)) set_row(mask, row, above, false);
+        });
     for_each_bit(mask, [&](std::size_t leaf) {
         const std::size_t stand_in = cells_.stand_in_of(leaf);
         if (has(above, stand_in) && !has(mask, stand_in)) mask[leaf / 64] &= ~(std::uint64_t{1} << (leaf % 64));

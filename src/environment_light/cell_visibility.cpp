@@ -158,6 +158,7 @@ void CellVisibility::find(Scratch& scratch, std::span<const ShadowPoint> points,
     Query query{scratch, points, asked, guides, seen, first};
     if (!cells_.families().empty() && std::ranges::any_of(guides, &Guides::coarse))
         for (const Guides& guide : guides) query.is_coarse.push_back(guide.coarse ? 1 : 0);
+    query.rough = !query.is_coarse.empty() && std::ranges::any_of(guides, &Guides::rough);
     look_up(query, memory);
     if (!query.is_coarse.empty()) decide_coarse(query);
     decide_alone(query);

@@ -75,6 +75,7 @@ struct Guides {
     std::uint32_t number = 0;   // of the point within the block
     bool coarse = false;        // without guides: rays go to stand-ins (DirectionCells::stand_ins()) alone;
     bool unless_dark = false;   // but not where these see little of the light above
+    bool rough = false;         // coarse, with still fewer stand-ins; if one point is, all are
 };
 
 /// The static scene and the boxes of what moves; shared by several sets of cells.
@@ -211,6 +212,7 @@ class CellVisibility {
     void follow_families(const Query& query, std::size_t k) const;
     void follow(const Query& query, std::size_t k, std::size_t first, std::size_t leaves, bool some_seen,
                 bool some_hidden) const;
+    void decide_roughly(const Query& query) const;
     void leave_stand_ins(const Query& query, std::size_t k) const;
     void follow_hidden(const Query& query, std::size_t k) const;
     void decide_wanted(const Query& query, int pass) const;

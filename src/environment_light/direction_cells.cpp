@@ -453,6 +453,7 @@ void DirectionCells::add_families(std::uint32_t begin, std::uint32_t end)
         add_stand_ins(node, family.scout, divided_once);
         families_.push_back(std::move(family));
     }
+    add_few_stand_ins();
 }
 
 // Makes all leaves of a node followers but one.
@@ -484,23 +485,6 @@ void DirectionCells::add_scouts(const DirectionNode& node, CellFamily& family)
         }
         family.scouts.push_back(middle_of(child));
         add_followers(child, family.scouts.back());
-    }
-}
-
-// Chooses the leaf that stands in for each leaf of a family: its scout, or the leaf next to the middle of the leaf's
-// own quarter where these were divided further.
-void DirectionCells::add_stand_ins(const DirectionNode& family, std::uint32_t scout, bool divided_once)
-{
-    const auto set = [&](const DirectionNode& node, std::uint32_t stand_in) {
-        for (std::uint32_t leaf = node.first_leaf; leaf < node.first_leaf + node.leaves; ++leaf)
-            stand_in_of_[leaf] = static_cast<std::uint16_t>(stand_in);
-        stand_ins_[stand_in / 64] |= std::uint64_t{1} << (stand_in % 64);
-        stood_for_.push_back({node.first_leaf, node.leaves, stand_in});
-    };
-    if (divided_once) return set(family, scout);
-    for (std::uint32_t q = 0; q < family.count; ++q) {
-        const DirectionNode& quarter = nodes_[family.children + q];
-        set(quarter, middle_of(quarter));
     }
 }
 
@@ -562,7 +546,7 @@ bool DirectionCells::same_directions(const DirectionCells& other) const
 std::size_t DirectionCells::bytes() const
 {
     return nodes_.size() * sizeof(DirectionNode) + families_.size() * sizeof(CellFamily) +
-           stood_for_.size() * sizeof(StoodFor) +
+           (stood_for_.size() + few_stood_for_.size()) * sizeof(StoodFor) +
            leaves() * (3 * sizeof(glm::vec3) + sizeof(float) + sizeof(std::uint32_t) + sizeof(std::uint16_t));
 }
 

@@ -121,6 +121,10 @@ class DirectionCells {
     std::size_t stand_in_of(std::size_t leaf) const { return stand_in_of_[leaf]; }
     /// All leaves, by the leaf that stands in for them. Without families, empty.
     std::span<const StoodFor> stood_for() const { return stood_for_; }
+    /// All leaves in fewer rows, of families next to each other, where a rough answer will do: as many as they bring a
+    /// 64th of the light or are a 60th of all directions, and those of brighter families. Each has its brightest leaf
+    /// to stand in for it. Without families, empty.
+    std::span<const StoodFor> few_stood_for() const { return few_stood_for_; }
     /// The index of the family of a leaf. @pre families() is not empty
     std::size_t family_of(std::size_t leaf) const { return family_of_[leaf]; }
     /// Adds the leaves in and next to the family of a leaf to a mask; without families, all.
@@ -144,6 +148,7 @@ class DirectionCells {
     std::uint32_t middle_of(const DirectionNode& node) const;
     void add_scouts(const DirectionNode& node, CellFamily& family);
     void add_stand_ins(const DirectionNode& family, std::uint32_t scout, bool divided_once);
+    void add_few_stand_ins();
 
     std::vector<DirectionNode> nodes_;
     std::size_t roots_ = 0;
@@ -157,7 +162,7 @@ class DirectionCells {
     std::vector<std::uint16_t> family_of_;   // by leaf
     std::vector<std::uint64_t> stand_ins_;
     std::vector<std::uint16_t> stand_in_of_;   // by leaf
-    std::vector<StoodFor> stood_for_;
+    std::vector<StoodFor> stood_for_, few_stood_for_;
     glm::vec3 total_{0};
 };
 

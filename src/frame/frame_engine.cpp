@@ -121,8 +121,18 @@ void FrameEngine::use_threads(int threads)
 
 void FrameEngine::discard_caches()
 {
+    discard_light();
+    discard_followers();
+}
+
+void FrameEngine::discard_light()
+{
     proven_.reset();
     environment_.reset();
+}
+
+void FrameEngine::discard_followers()
+{
     certified_.reset();
     nah_.reset();
     cache_.reset();
@@ -227,8 +237,11 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
         rays_->limit_memory(limit_);
         rays_->update(*state_);
     }
-    if (advanced_) discard_caches();
+    // What follows in frames alone has missed nothing where nothing changed.
+    if (advanced_) discard_followers();
+    if (advanced_ && !advanced_still_) discard_light();
     advanced_ = true;
+    advanced_still_ = state_->changes().is_still();
     options_ = options;
     plan_ = plan_for(options);
     try {
@@ -430,7 +443,7 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
         check_memory("the caches");
         has_frame_ = true;
         times_ = buffers_->times;
-        if (!plan_.raster && has_image_ && !posed_) {
+        if (!plan_.raster && has_image_ && !posed_ && !environment_.rough()) {
             traced_ = Made{scene_, options_, view};
             if (complete()) made_ = traced_;
         }
@@ -574,7 +587,7 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
     const bool states = plan_.shown == Shown::shadow_states && options_.shadow_culling == ShadowCulling::certified;
     if ((plan_.shown == Shown::light || states) && !plan_.reference && !sized_.empty()) {
         // Without culling, nothing is remembered from frame to frame; the answers are the same.
-        if (!proven_ || options_.shadow_culling != ShadowCulling::certified)
+        if (!proven_ || (options_.shadow_culling != ShadowCulling::certified && !request.preview))
             proven_ = std::make_unique<trace::ProvenVisibility>();
         techniques.sized = &sized_;
         techniques.sized_visibility = proven_.get();
@@ -585,12 +598,12 @@ FrameCounters FrameEngine::render_traced(const scene::View& view, const RenderRe
         proven_.reset();
     }
 
-    techniques.environment = environment_.of_frame(*state_, options_, plan_.shown == Shown::light, plan_.reference);
+    const bool lights = plan_.shown == Shown::light;
+    techniques.environment = environment_.of_frame(*state_, options_, lights, plan_.reference, request.preview);
     trace::TracedOptions traced;
     traced.max_depth = options_.max_depth;
     // Overlays, references and the papers by the letter have one sample a pixel rather than adaptive ones.
-    traced.adaptive = options_.samples == k_adaptive_samples && plan_.shown == Shown::light && !plan_.reference &&
-                      !options_.as_printed;
+    traced.adaptive = options_.samples == k_adaptive_samples && lights && !plan_.reference && !options_.as_printed;
     traced.samples = std::max(options_.samples, 1);
     traced.filter = image::chosen_filter(options_.filter, traced.adaptive);
     if (plan_.reference || plan_.shown != Shown::light) traced.filter = PixelFilter::box;
@@ -647,7 +660,7 @@ void FrameEngine::count_kdtree(FrameCounters& counters) const
 
 bool FrameEngine::complete() const
 {
-    return !plan_.cache || !cache_->lacks_points();
+    return !environment_.rough() && (!plan_.cache || !cache_->lacks_points());
 }
 
 Image8 FrameEngine::paint_overlay(const std::vector<std::string>& titles)

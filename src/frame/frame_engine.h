@@ -68,6 +68,7 @@ struct AdvanceTimes {
 struct RenderRequest {
     std::vector<int> overlay_lights{};      // of Shown::shadow_states: the lights of its panels
     std::uint64_t indirect_ray_limit = 0;   // IrradianceCache::limit_rays(); 0: none
+    bool preview = false;                   // FrameInput::preview
     /// From move_previous(): the frame before, for the layer of motion. None: nothing moved.
     std::optional<scene::View> previous_view{};
     std::optional<Shutter> shutter{};   // of RenderOptions::shutter and aperture; none: neither
@@ -208,6 +209,8 @@ class FrameEngine {
     void trace_centres(const RenderRequest& request);
     void make_report(const shading::FrameBuffers* before);
     void discard_caches();
+    void discard_light();       // what follows in frames
+    void discard_followers();   // what follows in advance()
     void fit_caches(const RenderOptions& options);
     void fit_rasterizer(const RenderOptions& options);
     bool is_made(const scene::View& view, const RenderRequest& request) const;
@@ -232,11 +235,12 @@ class FrameEngine {
     Arithmetic arithmetic_ = Arithmetic::portable;
     std::unique_ptr<scene::SceneState> state_;
     std::unique_ptr<ray::RayScene> rays_;
-    bool first_frame_ = true;   // of the scene
-    bool advanced_ = false;     // and not rendered since
-    RenderOptions options_;     // of the last advance()
-    MemoryLimit limit_;         // likewise
-    Plan plan_;                 // likewise
+    bool first_frame_ = true;      // of the scene
+    bool advanced_ = false;        // and not rendered since
+    bool advanced_still_ = true;   // the last advance changed nothing
+    RenderOptions options_;        // of the last advance()
+    MemoryLimit limit_;            // likewise
+    Plan plan_;                    // likewise
     std::optional<glm::vec3> turn_centre_;
     ShownBounds shown_bounds_;
 

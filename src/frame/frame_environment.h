@@ -18,14 +18,18 @@ class FrameEnvironment {
     void fit(const RenderOptions& options, bool lights);
     /// The technique of a frame; null: it needs none. What is remembered outlives it with certified culling alone.
     /// @param reference  the frame's indirect light is the reference, which samples environment images by itself
+    /// @param preview    FrameInput::preview
     trace::EnvironmentTechnique* of_frame(const scene::SceneState& state, const RenderOptions& options, bool lights,
-                                          bool reference);
+                                          bool reference, bool preview = false);
+    /// Whether the last frame's environment image is roughly seen.
+    bool rough() const { return rough_; }
     std::size_t bytes() const { return technique_ ? technique_->bytes() : 0; }
 
  private:
     std::unique_ptr<trace::EnvironmentTechnique> technique_;   // saw the last advance
     std::unique_ptr<trace::EnvironmentTechnique> reference_;   // of suns; of the last frame
-    double sun_size_ = 0;                                      // that the technique was made with
+    bool rough_ = false;
+    double sun_size_ = 0;   // that the technique was made with
 };
 
 }   // namespace gnomon::frame

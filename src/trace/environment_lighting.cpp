@@ -93,7 +93,9 @@ void EnvironmentTechnique::begin_frame(const FrameContext& frame, std::size_t ti
     // What moves hides cells from shared places.
     const std::shared_ptr<const scene::Environment> image =
         light_.empty() ? nullptr : frame.state.scene().background.environment;
-    if (image != image_ || version_ != light_.version() || light_.anything_moves()) shared_places_.forget();
+    if (image != image_ || version_ != light_.version() || light_.anything_moves() || rough_ != was_rough_)
+        shared_places_.forget();
+    was_rough_ = rough_;
     shared_places_.begin_frame();
     place_groups_.begin_frame(frame.state.base());
     image_ = image;
@@ -226,8 +228,10 @@ void EnvironmentLighting::find_seen(const PointBatch& batch, std::size_t tile, s
     const std::span<const visibility::ShadowPoint> between = lattice_.places();
     asked_places_.resize(between.size());
     std::iota(asked_places_.begin(), asked_places_.end(), 0u);
+    const Guides as_asked{.coarse = technique_.rough(), .rough = technique_.rough()};
+    guides_.assign(technique_.rough() ? between.size() : 0, as_asked);
     if (!between.empty())
-        light.visibility().find(scratch_, between, asked_places_, {}, technique_.memory(tile), lattice_seen_);
+        light.visibility().find(scratch_, between, asked_places_, guides_, technique_.memory(tile), lattice_seen_);
     lattice_light_.resize(between.size());
     lattice_passes_.assign(passing_.any() ? between.size() : 0, glm::vec3(1));
     for (std::size_t p = 0; p < between.size(); ++p) {
@@ -256,6 +260,7 @@ void EnvironmentLighting::find_seen(const PointBatch& batch, std::size_t tile, s
         guides_[k].coarse = guides_[k].pass == 0 && (small || (batch.primary && !guides_[k].guides));
         guides_[k].unless_dark = share > k_coarse_throughput;
     }
+    if (technique_.rough()) guides_.assign(guides_.size(), as_asked);
     asked_places_.resize(places_.own());
     std::iota(asked_places_.begin(), asked_places_.end(), 0u);
     if (light.anything_moves()) find_guides_of_moving(batch, follow_);
@@ -291,7 +296,7 @@ void EnvironmentLighting::find_passing(const PointBatch& batch, std::size_t befo
             }
             const std::uint32_t p = places_.own_points()[k];
             const TilePoint& point = batch.points[p];
-            const bool direct = (batch.primary || point.straight) && batch.most_share == 1;
+            const bool direct = (batch.primary || point.straight) && batch.most_share == 1 && !technique_.rough();
             own_passes_[k] =
                 passing_.from_cells(point.surface.normal, batch.shadow_points[p].origin, light.visibility().cells(),
                                     seen_.of(k), direct ? PassingLight::k_rays : PassingLight::k_rays_in_mirrors);
@@ -307,7 +312,7 @@ void EnvironmentLighting::find_shared()
     shared_.assign(places.size(), nullptr);
     claimed_.clear();
     const auto evaluate = [&] {
-        guides_.assign(claimed_.size(), {.coarse = true});
+        guides_.assign(claimed_.size(), {.coarse = true, .rough = technique_.rough()});
         light.visibility().find(scratch_, places, claimed_, guides_, nullptr, shared_seen_);
     };
     const auto publish = [&](PlaceMemory::Place& place, std::size_t k) {

@@ -44,6 +44,9 @@ class EnvironmentTechnique {
     {
         return remembers_ ? &memories_[tile][static_cast<std::size_t>(sun) + 1] : nullptr;
     }
+    /// Whether points see their cells roughly in the frames that begin from now on, by some 40 rays each.
+    void be_rough(bool rough) { rough_ = rough; }
+    bool rough() const { return rough_; }
     /// Points remember from the first frame on.
     void remember_first() { remembers_ = begun_ = true; }
     /// Every direction of a sun is traced from every point, and reflected by itself: the reference.
@@ -64,6 +67,7 @@ class EnvironmentTechnique {
     std::shared_ptr<const scene::Environment> image_;   // of which shared places know what they see
     std::uint32_t version_ = 0, suns_version_ = 0;
     bool every_ray_ = false;
+    bool rough_ = false, was_rough_ = false;   // this frame, and the last one
     bool begun_ = false, remembers_ = false;   // whether a frame was begun; whether it is not the first
     environment_light::VisibilityCounters counters_;
 };

@@ -288,6 +288,58 @@ TEST(EnvironmentFrame, AStillViewCostsNoRays)
     EXPECT_EQ(renderer.render(scene, 1).counters.shadow.rays, 0u);
 }
 
+// A preview casts few rays, shows about the same, and leaves no trace in other frames, nor these in it.
+TEST(EnvironmentFrame, APreviewShowsRoughlyTheSameWithFewRays)
+{
+    SceneBuilder sky(load("builtin:spheres?objects=20&dynamic=5"));
+    const std::vector<float> pixels = uneven_sky(64, 32);
+    sky.environment({.width = 64, .height = 32, .pixels = pixels});
+    const Scene moving = sky.finish();
+    for (const Scene& scene : {shapes(Shapes::matte), shapes(Shapes::metal), moving})
+        for (const bool interactive : {false, true}) {
+            RenderOptions options = options_of(64);
+            options.interactive = interactive;
+            FrameInput input, preview;
+            input.frame = preview.frame = scene.frame_count();
+            preview.preview = true;
+            Renderer fresh(options), kept(options);
+            const Frame truth = fresh.render(scene, input), rough = kept.render(scene, preview);
+            EXPECT_FALSE(rough.complete);
+            EXPECT_TRUE(truth.complete);
+            EXPECT_LT(2 * rough.counters.shadow.rays, truth.counters.shadow.rays);
+            const std::vector<float> image = colours(truth), about = colours(rough);
+            double square = 0, sum = 0, sum_about = 0;
+            for (std::size_t i = 0; i < image.size(); ++i) {
+                square += std::pow(static_cast<double>(about[i] - image[i]), 2);
+                sum += static_cast<double>(image[i]), sum_about += static_cast<double>(about[i]);
+            }
+            EXPECT_NEAR(sum_about / sum, 1, 0.02);
+            EXPECT_LT(std::sqrt(square / static_cast<double>(image.size())),
+                      0.08 * sum / static_cast<double>(image.size()));
+            EXPECT_NE(about, image);
+
+            EXPECT_EQ(colours(kept.render(scene, input)), image) << "after a preview";
+            EXPECT_EQ(colours(kept.render(scene, preview)), about) << "after a frame";
+            options.shadow_culling = ShadowCulling::off;
+            kept.set_options(options);
+            EXPECT_EQ(colours(kept.render(scene, preview)), about);
+            EXPECT_EQ(colours(kept.render(scene, input)), image);
+        }
+
+    // What sees all of the image above it is the same.
+    FrameInput preview;
+    preview.preview = true;
+    SceneBuilder builder;
+    builder.instance(add_ball(builder), builder.material(matte(0.5f)));
+    set_even_sky(builder);
+    builder.camera(orthographic(2.2));
+    const Scene ball = builder.finish();
+    EXPECT_EQ(colours(Renderer(options_of(32)).render(ball, preview)),
+              colours(Renderer(options_of(32)).render(ball, 1)));
+    // Nothing is rough without an image.
+    EXPECT_TRUE(Renderer(options_of(32)).render(load("builtin:cornell"), preview).complete);
+}
+
 // A turned image, frame by frame, with the renderer kept: the bytes of a new one. Rays go to what changed alone: of an
 // even sky next to nothing, of one with a sun the cells that the sun left and those where it is now.
 TEST(EnvironmentFrame, ATurnedImageKeepsWhatIsSeenInOtherDirections)

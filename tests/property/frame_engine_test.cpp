@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "api/scene_access.h"
 #include "base/bits.h"
 #include "base/random.h"
+#include "gnomon/scene.h"
 #include "scene/builtin/builtin.h"
 
 namespace gnomon {
@@ -71,6 +73,13 @@ Rendered render(FrameEngine& engine, const std::shared_ptr<const scene::Scene>& 
     result.color = engine.buffers().color.data;
     if (options.layers && engine.has_indirect()) result.indirect = engine.buffers().indirect.data;
     return result;
+}
+
+// Balls, some of which move, under an environment image.
+std::shared_ptr<const scene::Scene> under_a_studio(int moving)
+{
+    return api::scene_of(
+        load("builtin:spheres?objects=20&dynamic=" + std::to_string(moving)).with_environment("builtin:studio"));
 }
 
 // Renders `steps` random cases at random times by one engine, and each of them by an engine of its own.
@@ -176,13 +185,36 @@ TEST(FrameEngine, RendersAfterAnInterruptedFrame)
 
 TEST(FrameEngine, FollowsAnAdvanceThatWasNotRendered)
 {
-    const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
     const RenderOptions options;
-    FrameEngine engine({.threads = 1, .culls_first_frame = true}), fresh({.threads = 1});
-    for (const int frame : {1, 2, 3}) render(engine, scene, scene->timeline.time_of(frame), options);
-    engine.advance(scene, scene->timeline.time_of(20), options);
-    const double time = scene->timeline.time_of(4);
-    EXPECT_TRUE(same_bits(render(engine, scene, time, options).color, render(fresh, scene, time, options).color));
+    for (const auto& scene :
+         {std::make_shared<const scene::Scene>(scene::make_builtin("cornell")), under_a_studio(5)}) {
+        FrameEngine engine({.threads = 1, .culls_first_frame = true}), fresh({.threads = 1});
+        for (const int frame : {1, 2, 3}) render(engine, scene, scene->timeline.time_of(frame), options);
+        const double missed = scene->timeline.time_of(20);
+        for (const double time : {scene->timeline.time_of(4), missed}) {
+            for (int again = 0; again < 2; ++again) engine.advance(scene, missed, options);
+            EXPECT_TRUE(
+                same_bits(render(engine, scene, time, options).color, render(fresh, scene, time, options).color));
+        }
+    }
+}
+
+// An advance that changes nothing, as of a frame that was interrupted before it was rendered, forgets no rays.
+TEST(FrameEngine, KeepsWhatIsSeenOfAnEnvironmentAfterAnAdvanceThatChangedNothing)
+{
+    const auto scene = under_a_studio(0);
+    const RenderOptions options{.indirect = Indirect::off, .keep_image = false};
+    FrameEngine engine({.threads = 1});
+    const auto rays = [&] {
+        engine.advance(scene, 0, options);
+        return engine.render(engine.make_view(0, k_size), {}).shadow.rays;
+    };
+    const std::uint64_t first = rays();
+    rays();
+    const std::uint64_t again = rays();   // what mirrors show
+    EXPECT_LT(20 * again, first);
+    engine.advance(scene, 0, options);
+    EXPECT_EQ(rays(), again);
 }
 
 }   // namespace
