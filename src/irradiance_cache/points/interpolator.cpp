@@ -372,10 +372,9 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
         }
         const bool finer = are == PartsAre::far && !work.dynamic[request.point];
         const float own = are == PartsAre::own ? frame.options.pixels_per_closest : frame.options.pixels_per_own;
-        const bool alone = request.fallback.light == glm::vec3(0);
         const PartWeights parts = !finer                ? select_pixel_parts(frame, point, own)
                                   : is_of_mean(request) ? select_parts_of_mean(frame, point)
-                                                        : select_finer_parts(frame, point, alone);
+                                                        : select_finer_parts(frame, point);
         for (int i = 0; i < parts.count; ++i)
             replaced_.push_back({request.point, weight * parts.weight[i], parts.key[i], nullptr, request.fallback});
     }

@@ -11,9 +11,6 @@ namespace gnomon::irradiance_cache {
 
 namespace {
 
-// The spacing of finer parts, in pixels, where there is no lattice around with whose light theirs could be compared.
-constexpr float k_pixels_alone = 2;
-
 // The cross product of a triangle's sides.
 glm::vec3 cross_of(const ray::ObjectGeometry& geometry, std::uint32_t triangle)
 {
@@ -160,9 +157,9 @@ PartWeights select_far_parts(const CacheFrame& frame, const IndirectPoint& point
     return select_parts(frame, point, options.narrowest * point.width, options.pixels_per_leaf * point.width);
 }
 
-PartWeights select_finer_parts(const CacheFrame& frame, const IndirectPoint& point, bool alone)
+PartWeights select_finer_parts(const CacheFrame& frame, const IndirectPoint& point)
 {
-    const float spacing = (alone ? k_pixels_alone : frame.options.pixels_per_finer) * point.width;
+    const float spacing = frame.options.pixels_per_finer * point.width;
     // Small triangles that are slender have slices of their own where they are longer than the spacing: the largest
     // triangle around, or the middle of a long one, may lie far away.
     glm::vec3 p[3];

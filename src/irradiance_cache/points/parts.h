@@ -27,8 +27,7 @@ PartWeights select_near_parts(const CacheFrame& frame, const IndirectPoint& poin
 /// select_parts() with the spacing for light from afar.
 PartWeights select_far_parts(const CacheFrame& frame, const IndirectPoint& point);
 /// Finer ones, for where those do not represent the pixel.
-/// @param alone  no lattice point is around whose light could tell that
-PartWeights select_finer_parts(const CacheFrame& frame, const IndirectPoint& point, bool alone);
+PartWeights select_finer_parts(const CacheFrame& frame, const IndirectPoint& point);
 /// The finest ones, for a point of many whose mean is shown: of small triangles, those that represent the ones around.
 PartWeights select_parts_of_mean(const CacheFrame& frame, const IndirectPoint& point);
 /// Parts of the point's triangle around the pixel itself, so many pixels wide.
