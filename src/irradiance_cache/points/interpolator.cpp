@@ -26,7 +26,11 @@ constexpr float k_deep = 0.06f;
 // point's plane than the first fraction of the spacing, and nothing from the second on: between roof tiles, in folds of
 // a curtain or along the mouldings of a cornice, light changes as often as the surface rises and falls, and what is
 // seen are the crests.
-constexpr float k_even = 0.02f, k_uneven = 0.04f;
+constexpr float k_even = 0.01f, k_uneven = 0.02f;
+// The light of a level's cache points differs: by how much each differs from their mean at the surface point, on
+// average and as a fraction of it. The next finer level begins to take the place of this one beyond the first, and has
+// it from the second on.
+constexpr float k_similar = 0.1f, k_different = 0.3f;
 // Fraction of a point's irradiance that may come from a level that is slightly too coarse.
 constexpr float k_least_rest = 0.02f;
 
@@ -87,6 +91,9 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
         weight *= 1 - steep_[k];
         // Leave to the next level, too, what is less even than the spacing can show.
         weight *= 1 - unevenness(frame, work.cells[request.cell], point);
+        // Leave to the next level of the lattice, if there is one, what differs too much between the points of this
+        // one.
+        weight *= 1 - difference(work.cells[request.cell], light_, k) * frame.fade_in(spacing / narrowest - 1);
         // Let this level provide an invisible rest, too; all weights still sum to 1.
         if (const float rest = request.weight - weight; rest < 2 * k_least_rest)
             weight = std::min(request.weight, request.weight - 2 * std::max(rest - k_least_rest, 0.0f));
@@ -163,6 +170,19 @@ float Interpolator::unevenness(const CacheFrame& frame, const CollectedCell& cel
         {glm::length(corner[1] - corner[0]), glm::length(corner[2] - corner[1]), glm::length(corner[0] - corner[2])});
     const float low = glm::length(glm::cross(corner[1] - corner[0], corner[2] - corner[0])) / longest;
     return low < spacing ? uneven * frame.fade_in(spacing / low - 1) : 0;
+}
+
+// How much the light of a cell's points differs at a surface point, 0 to 1. It is that without dynamic objects, because
+// weights are remembered while these move.
+float Interpolator::difference(const CollectedCell& cell, const LatticeLight& light, std::size_t k)
+{
+    float sum = 0, differs = 0;
+    for (int i = 0; i < 4; ++i) sum += light.weight_of[i][k] * cell.point[i]->brightness;
+    if (!(sum > 0)) return 0;
+    const float mean = sum / light.weight[k];
+    for (int i = 0; i < 4; ++i) differs += light.weight_of[i][k] * std::abs(cell.point[i]->brightness - mean);
+    const float t = std::clamp((differs / sum - k_similar) / (k_different - k_similar), 0.0f, 1.0f);
+    return t * t * (3 - 2 * t);
 }
 
 // Interpolates again where a surface point lies deep below cache points of its cell: without those that geometry hides

@@ -4,8 +4,9 @@
 //
 // A level of the lattice contributes as far as its points lie near the surface point's plane, face the same way and are
 // not separated from it by a wall, nor hidden from it where it lies below them, and as far as the surface is even
-// between them; the rest of the weight goes to finer levels, and in the end to parts of triangles. Each level fades in
-// and out over a fraction of its range, so irradiance changes continuously with the distance.
+// between them and their light is similar; the rest of the weight goes to finer levels, and in the end to parts of
+// triangles. Each level fades in and out over a fraction of its range, so irradiance changes continuously with the
+// distance.
 
 #include "irradiance_cache/points/collector.h"
 #include "irradiance_cache/points/remembered_batch.h"
@@ -43,6 +44,7 @@ class Interpolator {
                                 BatchWork& work, glm::vec3* irradiance);
     static Arriving around_part(const CacheFrame& frame, const IndirectPoint& point, const PartRequest& request,
                                 BatchWork& work);
+    static float difference(const CollectedCell& cell, const LatticeLight& light, std::size_t k);
     static float unevenness(const CacheFrame& frame, const CollectedCell& cell, const IndirectPoint& point);
     Arriving fallback(const BatchWork& work, std::size_t request);
 

@@ -170,10 +170,10 @@ glm::vec3 StaticVisibility::facing_of_seen(const CacheFrame& frame, const CacheP
     return facing;
 }
 
-// Finds lattice points whose light is local: much of it comes from patches that are close by, small and far brighter
-// than all that is farther, such as the sliver of ceiling above a luminous plate that is seen past the plate's edge. A
-// spacing away there is nothing of it. At the foot of a wall close light is as much, but what is close goes on: other
-// parts of the wall, or of a bright floor before it, take its place.
+// Finds how bright points are, and lattice points whose light is local: much of it comes from patches that are close
+// by, small and far brighter than all that is farther, such as the sliver of ceiling above a luminous plate that is
+// seen past the plate's edge. A spacing away there is nothing of it. At the foot of a wall close light is as much, but
+// what is close goes on: other parts of the wall, or of a bright floor before it, take its place.
 void StaticVisibility::find_local()
 {
     constexpr float k_brighter = 4.0f;   // radiance of what is close over that of all else
@@ -187,6 +187,7 @@ void StaticVisibility::find_local()
         const bool goes_on = close.beyond > k_goes_on * close.irradiance;
         added.point->local = from_close && !goes_on;
         added.point->steep = from_close && goes_on;
+        added.point->brightness = all;
     }
 }
 
