@@ -28,7 +28,8 @@ struct CachePoint {
     bool local = false;        // lattice points: their light holds for nothing around (StaticVisibility::find_local)
     bool steep = false;        // lattice points: their light changes within a spacing, as at the foot of a wall
     bool near_light = false;   // static_light includes light of a near field (near_field/near_of_points.h)
-    float brightness = 0;      // lattice points: luminance of their static light, its near field aside
+    float brightness = 0;      // lattice points: luminance of their static light, its near field aside;
+    float sky_light = 0;       // and of this, the sky's
     float lift = 0;            // distance from the surface at which rays start
     glm::vec3 position{0};     // on the surface
     glm::vec3 normal{0};       // unit, shading

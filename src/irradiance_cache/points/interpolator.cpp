@@ -27,9 +27,9 @@ constexpr float k_deep = 0.06f;
 // a curtain or along the mouldings of a cornice, light changes as often as the surface rises and falls, and what is
 // seen are the crests.
 constexpr float k_even = 0.01f, k_uneven = 0.02f;
-// The light of a level's cache points differs: by how much each differs from their mean at the surface point, on
-// average and as a fraction of it. The next finer level begins to take the place of this one beyond the first, and has
-// it from the second on.
+// The sky's light of a level's cache points differs: by how much each differs from their mean at the surface point, on
+// average and as a fraction of all light there. The next finer level begins to take the place of this one beyond the
+// first, and has it from the second on.
 constexpr float k_similar = 0.1f, k_different = 0.3f;
 // Fraction of a point's irradiance that may come from a level that is slightly too coarse.
 constexpr float k_least_rest = 0.02f;
@@ -172,16 +172,19 @@ float Interpolator::unevenness(const CacheFrame& frame, const CollectedCell& cel
     return low < spacing ? uneven * frame.fade_in(spacing / low - 1) : 0;
 }
 
-// How much the light of a cell's points differs at a surface point, 0 to 1. It is that without dynamic objects, because
-// weights are remembered while these move.
+// How much the sky's light of a cell's points differs at a surface point, 0 to 1. It is that without dynamic objects,
+// because weights are remembered while these move.
 float Interpolator::difference(const CollectedCell& cell, const LatticeLight& light, std::size_t k)
 {
-    float sum = 0, differs = 0;
-    for (int i = 0; i < 4; ++i) sum += light.weight_of[i][k] * cell.point[i]->brightness;
-    if (!(sum > 0)) return 0;
-    const float mean = sum / light.weight[k];
-    for (int i = 0; i < 4; ++i) differs += light.weight_of[i][k] * std::abs(cell.point[i]->brightness - mean);
-    const float t = std::clamp((differs / sum - k_similar) / (k_different - k_similar), 0.0f, 1.0f);
+    float all = 0, sky = 0, differs = 0;
+    for (int i = 0; i < 4; ++i) {
+        all += light.weight_of[i][k] * cell.point[i]->brightness;
+        sky += light.weight_of[i][k] * cell.point[i]->sky_light;
+    }
+    if (!(all > 0)) return 0;
+    const float mean = sky / light.weight[k];
+    for (int i = 0; i < 4; ++i) differs += light.weight_of[i][k] * std::abs(cell.point[i]->sky_light - mean);
+    const float t = std::clamp((differs / all - k_similar) / (k_different - k_similar), 0.0f, 1.0f);
     return t * t * (3 - 2 * t);
 }
 

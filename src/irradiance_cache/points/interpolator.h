@@ -4,9 +4,9 @@
 //
 // A level of the lattice contributes as far as its points lie near the surface point's plane, face the same way and are
 // not separated from it by a wall, nor hidden from it where it lies below them, and as far as the surface is even
-// between them and their light is similar; the rest of the weight goes to finer levels, and in the end to parts of
-// triangles. Each level fades in and out over a fraction of its range, so irradiance changes continuously with the
-// distance.
+// between them and the sky's light of its points is similar; the rest of the weight goes to finer levels, and in the
+// end to parts of triangles. Each level fades in and out over a fraction of its range, so irradiance changes
+// continuously with the distance.
 
 #include "irradiance_cache/points/collector.h"
 #include "irradiance_cache/points/remembered_batch.h"

@@ -128,7 +128,7 @@ CloseLight NearPatches::find(const CacheFrame& frame, const CachePoint& point, s
         const float inverse_area = 1 / patches.patches()[met.patch].area;
         const float exitance = inverse_area * luminance(flux);
         const float farther = (met.share - met.close) * exitance;
-        close += {met.close * exitance, met.close, farther, met.close > 0 ? farther : 0};
+        close += {met.close * exitance, met.close, farther, 0, met.close > 0 ? farther : 0};
         const glm::vec3 to = tree.samples().at(node) - origin;
         const float cosine = glm::dot(to, point.normal) / glm::length(to);
         if (cosine > k_clear_cosine && glm::dot(to, point.horizon) > 0) {

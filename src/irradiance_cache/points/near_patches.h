@@ -24,12 +24,13 @@ struct CloseLight {
     float irradiance = 0;    // luminance, from less far than some distance
     float form_factor = 0;   // of the surfaces that it comes from
     float farther = 0;       // luminance of all other irradiance
+    float sky = 0;           // of this, the sky's
     float beyond = 0;        // of this, what comes from surfaces that are as bright as those that are close
 
     CloseLight& operator+=(const CloseLight& other)
     {
         irradiance += other.irradiance, form_factor += other.form_factor;
-        farther += other.farther, beyond += other.beyond;
+        farther += other.farther, sky += other.sky, beyond += other.beyond;
         return *this;
     }
 };

@@ -187,7 +187,7 @@ void StaticVisibility::find_local()
         const bool goes_on = close.beyond > k_goes_on * close.irradiance;
         added.point->local = from_close && !goes_on;
         added.point->steep = from_close && goes_on;
-        added.point->brightness = all;
+        added.point->brightness = all, added.point->sky_light = close.sky;
     }
 }
 
@@ -207,7 +207,8 @@ std::ptrdiff_t StaticVisibility::trace_sky(const CacheFrame& frame, const Occlus
 void StaticVisibility::add_sky(Added& added, const glm::vec3& light, const glm::vec3& direction)
 {
     CachePoint& point = *added.point;
-    added.close.farther += luminance(light) * glm::dot(direction, point.normal);
+    const float arrives = luminance(light) * glm::dot(direction, point.normal);
+    added.close.farther += arrives, added.close.sky += arrives;
     for (int colour = 0; colour < 3; ++colour) point.static_light[colour] += light[colour] * direction;
 }
 
