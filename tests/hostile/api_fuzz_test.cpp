@@ -249,6 +249,7 @@ class Caller {
         if (below(4) == 0) in.released_lights = {one_of(lights_)};
         if (below(4) == 0) in.released_materials = {one_of(materials_)};
         if (rarely()) in.indirect_ray_limit = below(1000);
+        in.preview = rarely();
         renderer_.render(scene_, in);
         ++rendered_;
     }
