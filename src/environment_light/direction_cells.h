@@ -121,9 +121,9 @@ class DirectionCells {
     std::size_t stand_in_of(std::size_t leaf) const { return stand_in_of_[leaf]; }
     /// All leaves, by the leaf that stands in for them. Without families, empty.
     std::span<const StoodFor> stood_for() const { return stood_for_; }
-    /// All leaves in fewer rows, of families next to each other, where a rough answer will do: as many as they bring a
-    /// 64th of the light or are a 60th of all directions, and those of brighter families. Each has its brightest leaf
-    /// to stand in for it. Without families, empty.
+    /// All leaves in fewer rows, where a rough answer will do: of families next to each other that bring at most a 32nd
+    /// of the light together and are at most a 60th of all directions, with the brightest leaf to stand in for them. A
+    /// family that brings more than a 12th is as in stood_for(). Without families, empty.
     std::span<const StoodFor> few_stood_for() const { return few_stood_for_; }
     /// The index of the family of a leaf. @pre families() is not empty
     std::size_t family_of(std::size_t leaf) const { return family_of_[leaf]; }

@@ -21,7 +21,7 @@ void DirectionCells::add_stand_ins(const DirectionNode& family, std::uint32_t sc
     }
 }
 
-// Lets rows of families have one leaf to stand in for all, as long as they bring little light and lie close together.
+// Lets rows of families have one leaf to stand in for all, as long as they bring little light together and are few.
 void DirectionCells::add_few_stand_ins()
 {
     constexpr float k_light = 1 / 32.0f, k_most_light = 1 / 12.0f, k_angle = static_cast<float>(4 * k_pi / 60);
