@@ -131,7 +131,11 @@ int view_count(const scene::Light& light, const SceneBounds& bounds, const Proje
     }
     const auto whole = static_cast<double>(bounds.whole.diagonal()),
                dense = static_cast<double>(bounds.dense.diagonal());
-    return dense > 0 && whole > options.dense_gain * dense ? 2 : 1;
+    if (!(dense > 0 && whole > options.dense_gain * dense)) return 1;
+    if (!(options.widening > 1) || whole <= options.widening * dense) return 2;
+    constexpr double k_most_views = 6;
+    return 1 + static_cast<int>(
+                   std::min(std::ceil(std::log(whole / dense) / std::log(options.widening)), k_most_views - 1));
 }
 
 std::vector<ViewProjection> project(const scene::Light& light, const scene::LightState& state,
@@ -140,11 +144,21 @@ std::vector<ViewProjection> project(const scene::Light& light, const scene::Ligh
     GNOMON_CHECK_LT(2 * options.border, size);
     const double stretch = static_cast<double>(size) / (size - 2 * options.border);
     const int count = view_count(light, bounds, options);
-    // A directional light: one view of everything, or two.
+    // A directional light: one view of everything, or several, each wider than the one before by the same factor.
     if (light.type == scene::LightType::directional) {
         const ViewProjection everything = orthographic(state.direction, bounds.whole, bounds.whole, stretch, size);
         if (count == 1) return {everything};
-        return {orthographic(state.direction, bounds.dense, bounds.whole, stretch, size), everything};
+        std::vector<ViewProjection> views;
+        const float wider = bounds.whole.diagonal() / bounds.dense.diagonal();
+        for (int v = 0; v + 1 < count; ++v) {
+            const float factor = std::pow(wider, static_cast<float>(v) / static_cast<float>(count - 1));
+            const glm::vec3 margin(v == 0 ? 0.0f : 0.5f * (factor - 1) * bounds.dense.diagonal());
+            const Box3 seen{glm::max(bounds.dense.low - margin, bounds.whole.low),
+                            glm::min(bounds.dense.high + margin, bounds.whole.high)};
+            views.push_back(orthographic(state.direction, v == 0 ? bounds.dense : seen, bounds.whole, stretch, size));
+        }
+        views.push_back(everything);
+        return views;
     }
 
     const Box3& whole = bounds.whole;

@@ -25,6 +25,7 @@ struct ProjectionOptions {
     double widest_spot = 1.2;      // half-angle in radians; wider spots use the six faces of a point light
     bool half_cubes = false;       // wider spots use five views of the half space before them instead
     double dense_gain = 2;         // directional: use a second view if it has this many times the texels per metre
+    double widening = 0;           // directional: each view is at most so many times as wide as the one before; 0: any
     int border = 4;                // texels around the lit part: filters read them, and faces of a cube overlap by them
 };
 
@@ -49,13 +50,13 @@ struct ViewProjection {
 
 using scene::SceneBounds;
 
-/// The number of views of a light: 1; 2 for a directional one in a wide landscape; 5 or 6 for a wide spot (half_cubes),
-/// 6 for a point light.
+/// The number of views of a light: 1; 2 for a directional one in a wide landscape, or more (widening); 5 or 6 for a
+/// wide spot (half_cubes), 6 for a point light.
 int view_count(const scene::Light& light, const SceneBounds& bounds, const ProjectionOptions& options);
 
-/// The view_count() views of a light, all with `size` texels a side. Point lights: faces +x -x +y -y +z -z; two views
-/// of a directional light: the dense part, then everything; half cubes: the top, whose `across` and `down` are the axes
-/// s and t, then the sides +s -s +t -t.
+/// The view_count() views of a light, all with `size` texels a side. Point lights: faces +x -x +y -y +z -z; two or
+/// more views of a directional light: the dense part, then wider ones that contain the one before, then everything;
+/// half cubes: the top, whose `across` and `down` are the axes s and t, then the sides +s -s +t -t.
 std::vector<ViewProjection> project(const scene::Light& light, const scene::LightState& state,
                                     const SceneBounds& bounds, int size, const ProjectionOptions& options);
 

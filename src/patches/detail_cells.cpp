@@ -13,7 +13,7 @@ namespace gnomon::patches {
 namespace {
 
 constexpr float k_margin = 0.05f;        // around the surfaces, of their largest extent
-constexpr float k_least_width = 1e-4f;   // of a cube, of the root's
+constexpr float k_least_width = 1e-6f;   // of a cube, of the root's
 
 // Walls often stand at round coordinates: cubes are offset by these fractions of the margin.
 constexpr std::array<float, 3> k_offset{0.3819660f, 0.2360680f, 0.1458980f};
@@ -29,13 +29,17 @@ struct Content {
 void measure(Content& content, std::span<const DetailSample> samples, float width)
 {
     std::array<double, 6> area{};
-    for (const std::uint32_t s : content.samples)
-        area[static_cast<std::size_t>(samples[s].facing)] += static_cast<double>(samples[s].area);
+    double weighted = 0, sum = 0;
+    for (const std::uint32_t s : content.samples) {
+        const auto a = static_cast<double>(samples[s].area);
+        area[static_cast<std::size_t>(samples[s].facing)] += a;
+        weighted += static_cast<double>(samples[s].weight) * a, sum += a;
+    }
     const double square = static_cast<double>(width) * static_cast<double>(width);
     double filled = 0;
     content.directions = 0;
     for (const double a : area) filled += std::min(a / square, 1.0), content.directions += a > 0;
-    content.priority = square * filled * filled;
+    content.priority = square * filled * filled * (weighted / sum);
 }
 
 }   // namespace

@@ -4,7 +4,8 @@
 //
 // The cube whose surfaces matter most is divided next, until there are as many cells (leaves by the direction that
 // surfaces face) as asked for. A cube matters by its width squared, times the square of how many of its six directions
-// are filled. The ground around a courtyard therefore has patches several times as wide as the courtyard.
+// are filled, times the mean weight of its surfaces. The ground around a courtyard therefore has patches several times
+// as wide as the courtyard.
 //
 // Cost: the surfaces, times the depth of the tree.
 
@@ -23,6 +24,7 @@ int facing_of(const glm::vec3& normal);
 struct DetailSample {
     glm::vec3 position{0};
     float area = 0;
+    float weight = 1;   // how much it matters, 0 to 1
     std::int8_t facing = 0;
 };
 

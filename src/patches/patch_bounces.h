@@ -19,10 +19,11 @@ struct BounceOptions {
 /// What is known of the patches: by patch.
 struct PatchSurfaces {
     std::span<const glm::vec3> albedo;
-    std::span<const float> area;
+    std::span<const float> area;   // times Patch::weight
 };
 
-/// The radiant flux of some radiant exitance, luminance.
+/// The radiant flux of some radiant exitance, luminance. Surfaces that matter less count for less: of the light of a
+/// ground that reaches to the horizon, bounces between what stands on it are a small part.
 double total_flux(const PatchSurfaces& surfaces, std::span<const glm::vec3> exitance);
 
 /// Radiant exitance by light that has bounced between patches at least once, by patch.

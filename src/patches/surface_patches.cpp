@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// LONG: parts, their sides and what is found of them are known here alone.
 #include "patches/surface_patches.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <unordered_map>
 
 #include "base/check.h"
 #include "base/interruption.h"
@@ -41,6 +39,11 @@ float weight_of_openness(std::uint8_t openness)
     const float open =
         (static_cast<float>(openness) + k_least_open) / (static_cast<float>(k_directions) + k_least_open);
     return open * open * open;
+}
+
+float longest_edge(const glm::vec3 (&p)[3])
+{
+    return std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
 }
 
 }   // namespace
@@ -85,12 +88,12 @@ struct SurfacePatches::Made {
 
 SurfacePatches::SurfacePatches(const scene::SceneState& state, const ray::RayScene& rays, const PatchOptions& options,
                                Tasks& tasks)
-    : options_(options)
+    : options_(options), units_(state, rays, options.units, options.patches)
 {
     GNOMON_CHECK(options.most < k_crossed);
-    number_units(state, rays);
-    double area = 0;
-    for (const float a : area_) area += static_cast<double>(a);
+    double area = 0;   // where it matters less, less of it counts
+    for (std::uint32_t unit = 0; unit < units_.size(); ++unit)
+        area += static_cast<double>(units_.weight(unit)) * static_cast<double>(units_.area(unit));
     if (!(area > 0) || !std::isfinite(area)) return;
     std::vector<Part> parts;
     std::vector<Side> sides;
@@ -100,12 +103,13 @@ SurfacePatches::SurfacePatches(const scene::SceneState& state, const ray::RaySce
         // Divide evenly first, to find where there is detail; then by that.
         const auto even = static_cast<float>(std::sqrt(area / wanted));
         divide(
-            rays, [&](std::uint32_t) { return even; }, tasks, parts);
+            rays, [&](std::uint32_t unit) { return even / std::sqrt(units_.weight(unit)); }, tasks, parts);
         std::vector<DetailSample> samples;
         for (const Part& part : parts)
-            samples.push_back({part.middle, part.area, static_cast<std::int8_t>(facing_of(part.normal))});
+            samples.push_back(
+                {part.middle, part.area, units_.weight(part.unit), static_cast<std::int8_t>(facing_of(part.normal))});
         const DetailCells cubes(samples, static_cast<std::size_t>(wanted));
-        std::vector<float> width(area_.size(), k_infinity);   // by unit: the least of its cubes
+        std::vector<float> width(units_.size(), k_infinity);   // by unit: the least of its cubes
         for (const Part& part : parts) width[part.unit] = std::min(width[part.unit], cubes.cube_at(part.middle).width);
         divide(
             rays, [&](std::uint32_t unit) { return width[unit]; }, tasks, parts);
@@ -120,7 +124,7 @@ SurfacePatches::SurfacePatches(const scene::SceneState& state, const ray::RaySce
         for (const Made& run : made) count += run.patches.size();
         if (count <= options.most) break;
     }
-    area_ = {};
+    units_.forget_areas();
     patch_.assign(2 * parts.size(), k_no_code);
     number_patches(sides, cells, made);
     const std::size_t count = cells.size() - 1;
@@ -170,103 +174,12 @@ void SurfacePatches::number_patches(std::span<const Side> sides, std::span<const
     GNOMON_CHECK(patches_.size() < k_crossed);
 }
 
-// Numbers the units of static objects that block light, and measures them.
-void SurfacePatches::number_units(const scene::SceneState& state, const ray::RayScene& rays)
-{
-    const scene::Scene& scene = state.scene();
-    place_of_object_.assign(scene.objects.size(), scene::none);
-    std::size_t triangles = 0;
-    for (scene::ObjectId o = 0; o < scene.objects.size(); ++o) {
-        if (scene.objects[o].removed || state.is_dynamic(o) || !state.object_there(o)) continue;
-        const scene::Mesh& mesh = scene.meshes[scene.objects[o].mesh];
-        if (!rays.geometry(o).mesh || mesh.triangles.empty()) continue;
-        place_of_object_[o] = static_cast<std::uint32_t>(objects_.size());
-        objects_.push_back(o);
-        triangles += mesh.triangles.size();
-    }
-    if (triangles > options_.ungrouped) group_meshes(state, rays);
-    first_unit_.push_back(0);
-    for (scene::ObjectId index = 0; index < objects_.size(); ++index) {
-        const ray::ObjectGeometry& geometry = rays.geometry(objects_[index]);
-        const scene::Mesh& mesh = *geometry.mesh;
-        const auto area_of = [&](std::uint32_t t) {
-            glm::vec3 p[3];
-            geometry.corners(t, p);
-            return 0.5f * glm::length(glm::cross(p[1] - p[0], p[2] - p[0]));
-        };
-        const std::size_t first = area_.size();
-        if (const TriangleGroups* groups = groups_of(index)) {
-            for (const TriangleGroups::Group& group : groups->groups) {
-                const float area = group.area * area_of(group.triangle);
-                area_.push_back(std::isfinite(area) ? area : 0);
-            }
-        } else {
-            area_.resize(first + mesh.triangles.size(), 0.0f);
-            for (const scene::MeshPart& part : mesh.parts) {
-                if (scene.materials[part.material].surface_class() == scene::SurfaceClass::transparent) continue;
-                for (std::uint32_t t = part.first_triangle; t < part.first_triangle + part.triangle_count; ++t)
-                    if (const float area = area_of(t); std::isfinite(area)) area_[first + t] = area;
-            }
-        }
-        first_unit_.push_back(static_cast<std::uint32_t>(area_.size()));
-    }
-}
-
-// Groups the triangles of each mesh, by the size of its largest instance.
-void SurfacePatches::group_meshes(const scene::SceneState& state, const ray::RayScene& rays)
-{
-    struct Use {
-        const glm::vec3* positions = nullptr;
-        scene::ObjectId object = 0;
-        double area = 0;    // in the space of the mesh
-        double scale = 0;   // of areas, by the largest instance
-        std::uint32_t groups = 0;
-    };
-    std::vector<Use> uses;   // by first object
-    std::unordered_map<const glm::vec3*, std::size_t> use_of;
-    double area = 0;
-    std::size_t triangles = 0;
-    for (const scene::ObjectId o : objects_) {
-        const ray::ObjectGeometry& geometry = rays.geometry(o);
-        const auto [at, is_new] = use_of.try_emplace(geometry.positions, uses.size());
-        if (is_new) {
-            Use& use = uses.emplace_back(Use{geometry.positions, o, 0, 0, 0});
-            for (const glm::uvec3& t : geometry.mesh->triangles) {
-                const glm::vec3 a = geometry.positions[t.x];
-                const float own =
-                    0.5f * glm::length(glm::cross(geometry.positions[t.y] - a, geometry.positions[t.z] - a));
-                if (std::isfinite(own)) use.area += static_cast<double>(own);
-            }
-        }
-        Use& use = uses[at->second];
-        const double scale =
-            geometry.to_world ? std::pow(std::abs(glm::determinant(glm::dmat3(*geometry.to_world))), 2.0 / 3) : 1;
-        use.scale = std::max(use.scale, scale);
-        area += scale * use.area;
-        triangles += geometry.mesh->triangles.size();
-        groups_of_.push_back(static_cast<std::uint32_t>(at->second));
-    }
-    const double most = options_.group_area * area / static_cast<double>(options_.patches);
-    GroupOptions options;
-    options.triangles = static_cast<std::uint32_t>((triangles + options_.grouped - 1) / options_.grouped);
-    for (const Use& use : uses) {
-        options.area = use.scale > 0 ? static_cast<float>(most / use.scale) : 0;
-        groups_.push_back(group_triangles(state.scene(), rays.geometry(use.object), options));
-    }
-}
-
-scene::ObjectId SurfacePatches::object_of(std::uint32_t unit) const
-{
-    const auto after = std::upper_bound(first_unit_.begin(), first_unit_.end(), unit);
-    return static_cast<scene::ObjectId>(after - first_unit_.begin() - 1);
-}
-
-// The barycentric coordinates of a part's middle.
-glm::vec2 SurfacePatches::middle_of(std::uint32_t part, std::uint32_t unit) const
+// The barycentric coordinates of a part's middle, in its unit.
+glm::dvec2 SurfacePatches::middle_of(std::uint32_t part, std::uint32_t unit) const
 {
     glm::dvec2 corner[3];
     corners_of(micro_at(part - first_part_[unit], level_[unit]), level_[unit], corner);
-    return glm::vec2((corner[0] + corner[1] + corner[2]) / 3.0);
+    return (corner[0] + corner[1] + corner[2]) / 3.0;
 }
 
 // How often a triangle is divided into quarters.
@@ -289,56 +202,46 @@ void SurfacePatches::divide(const ray::RayScene& rays, const std::function<float
                             std::vector<Part>& parts)
 {
     first_part_.assign(1, 0);
-    level_.assign(area_.size(), 0);
+    level_.assign(units_.size(), 0);
     // Choose levels; coarser ones, if there were too many parts. Groups are not divided, unless they are one triangle.
     for (float scale = 1;; scale *= 1.5f) {
         std::uint64_t count = 0;
         bool whole = true;   // no unit is divided
-        for (scene::ObjectId index = 0; index < objects_.size(); ++index) {
-            const ray::ObjectGeometry& geometry = rays.geometry(objects_[index]);
-            const TriangleGroups* groups = groups_of(index);
-            for (std::uint32_t unit = first_unit_[index]; unit < first_unit_[index + 1]; ++unit) {
-                const bool divides = !groups || groups->groups[unit - first_unit_[index]].area <= 1;
+        for (std::uint32_t unit = 0; unit < units_.size(); ++unit) {
+            if (!(units_.area(unit) > 0)) continue;
+            if (units_.divides(unit)) {
                 glm::vec3 p[3];
-                geometry.corners(triangle_of(index, unit), p);
-                const float edge =
-                    std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
-                if (divides) level_[unit] = level_of(area_[unit], edge, scale * width(unit));
-                whole = whole && level_[unit] == 0;
-                count += area_[unit] > 0 ? std::uint64_t{1} << (2 * level_[unit]) : 0;
+                units_.corners(rays, unit, p);
+                level_[unit] = level_of(units_.area(unit), longest_edge(p), scale * width(unit));
             }
+            whole = whole && level_[unit] == 0;
+            count += std::uint64_t{1} << (2 * level_[unit]);
         }
         if (count <= k_most_parts || whole) break;
     }
-    for (std::uint32_t unit = 0; unit < area_.size(); ++unit)
-        first_part_.push_back(first_part_.back() + (area_[unit] > 0 ? 1u << (2 * level_[unit]) : 0));
+    for (std::uint32_t unit = 0; unit < units_.size(); ++unit)
+        first_part_.push_back(first_part_.back() + (units_.area(unit) > 0 ? 1u << (2 * level_[unit]) : 0));
     parts.assign(first_part_.back(), {});
-    const std::size_t runs = (area_.size() + k_units_at_once - 1) / k_units_at_once;
+    const std::size_t runs = (units_.size() + k_units_at_once - 1) / k_units_at_once;
     tasks.for_each(runs, [&](std::size_t run, int) {
         interruption_point();
-        const std::size_t last = std::min((run + 1) * k_units_at_once, area_.size());
+        const std::size_t last = std::min((run + 1) * k_units_at_once, std::size_t{units_.size()});
         for (std::size_t u = run * k_units_at_once; u < last; ++u) {
             if (first_part_[u] == first_part_[u + 1]) continue;
             const auto unit = static_cast<std::uint32_t>(u);
-            const scene::ObjectId index = object_of(unit);
             glm::vec3 p[3];
-            rays.geometry(objects_[index]).corners(triangle_of(index, unit), p);
+            units_.corners(rays, unit, p);
             Part part;
             part.normal = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
             part.lift = ray::origin_lift(p);
-            part.area = area_[u] / static_cast<float>(1u << (2 * level_[u]));
+            part.area = units_.area(unit) / static_cast<float>(1u << (2 * level_[u]));
             part.unit = unit;
             const float scale = 1 / static_cast<float>(1u << level_[u]);
             const glm::vec3 centre = (p[0] + p[1] + p[2]) / 3.0f;
             for (const glm::vec3& corner : p) part.radius = std::max(part.radius, scale * glm::length(corner - centre));
-            if (const TriangleGroups* groups = groups_of(index)) {
-                const TriangleGroups::Group& group = groups->groups[unit - first_unit_[index]];
-                const float edge =
-                    std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
-                if (group.area > 1) part.radius = std::max(part.radius, group.radius * edge);
-            }
+            part.radius = std::max(part.radius, units_.radius_of_group(rays, unit));
             for (std::uint32_t i = first_part_[u]; i < first_part_[u + 1]; ++i) {
-                const glm::vec2 at = middle_of(i, unit);
+                const glm::vec2 at(middle_of(i, unit));
                 part.middle = (1 - at.x - at.y) * p[0] + at.x * p[1] + at.y * p[2];
                 parts[i] = part;
             }
@@ -527,14 +430,15 @@ void SurfacePatches::make_cell(const ray::RayScene& rays, std::span<const Part> 
         patch.cell = cell;
         patch.first = static_cast<std::uint32_t>(made.places.size());
         glm::dvec3 position(0), normal(0);
-        double area = 0;
+        double area = 0, weighted = 0;
         for (std::size_t s = 0; s < sides.size(); ++s) {
             if (made.group[made.target[s]] != g) continue;
             const auto a = static_cast<double>(part(s).area);
+            weighted += static_cast<double>(units_.weight(part(s).unit)) * a;
             position += a * glm::dvec3(part(s).middle), normal += a * glm::dvec3(sides[s].normal(part(s))), area += a;
         }
         patch.position = glm::vec3(position / area), patch.normal = glm::vec3(normal / area);
-        patch.area = static_cast<float>(area);
+        patch.area = static_cast<float>(area), patch.weight = static_cast<float>(weighted / area);
         for (std::size_t s = 0; s < sides.size(); ++s)
             if (made.group[made.target[s]] == g)
                 patch.radius = std::max(patch.radius, glm::length(part(s).middle - patch.position) + part(s).radius);
@@ -564,9 +468,8 @@ void SurfacePatches::mark_crossed(const ray::RayScene& rays, std::span<const Par
     for (const Side& side : sides) {
         const Part& part = parts[side.part()];
         if (part.area < options_.crossed_area * part.width * part.width) continue;
-        const scene::ObjectId index = object_of(part.unit);
         glm::vec3 p[3];
-        rays.geometry(objects_[index]).corners(triangle_of(index, part.unit), p);
+        units_.corners(rays, part.unit, p);
         glm::dvec2 corner[3];
         const std::uint32_t level = level_[part.unit];
         corners_of(micro_at(side.part() - first_part_[part.unit], level), level, corner);
@@ -587,15 +490,10 @@ void SurfacePatches::mark_crossed(const ray::RayScene& rays, std::span<const Par
 PatchId SurfacePatches::patch_at(const ray::RayScene& rays, scene::ObjectId object, std::uint32_t triangle, float u,
                                  float v, bool front, const glm::vec3& above) const
 {
-    if (object >= place_of_object_.size() || place_of_object_[object] == scene::none || patches_.empty())
-        return k_no_patch;
-    const scene::ObjectId index = place_of_object_[object];
-    const TriangleGroups* groups = groups_of(index);
-    const std::uint32_t own = groups ? groups->group_of[triangle] : triangle;
-    if (own == scene::none) return k_no_patch;
-    const std::uint32_t unit = first_unit_[index] + own;
-    if (first_part_[unit] == first_part_[unit + 1]) return k_no_patch;
-    const std::uint32_t part = first_part_[unit] + micro_index_at(u, v, level_[unit]);
+    if (patches_.empty()) return k_no_patch;
+    const SurfaceUnits::Place at = units_.at(object, triangle, u, v);
+    if (at.unit == scene::none || first_part_[at.unit] == first_part_[at.unit + 1]) return k_no_patch;
+    const std::uint32_t part = first_part_[at.unit] + micro_index_at(at.u, at.v, level_[at.unit]);
     const std::uint16_t code = patch_[2 * part + (front ? 0 : 1)];
     if (code == k_no_code) return k_no_patch;
     if (!(code & k_crossed)) return code;
@@ -635,10 +533,9 @@ std::vector<glm::vec3> SurfacePatches::albedo(const scene::Scene& scene, const r
             for (const PatchPlace& place : places(patches_[p])) {
                 const auto after = std::upper_bound(first_part_.begin(), first_part_.end(), place.part);
                 const auto unit = static_cast<std::uint32_t>(after - first_part_.begin() - 1);
-                const scene::ObjectId index = object_of(unit);
-                const glm::vec2 at = middle_of(place.part, unit);
+                const glm::vec2 at = units_.in_triangle(unit, middle_of(place.part, unit));
                 sum += place.area *
-                       lighting::albedo(scene, rays.geometry(objects_[index]), triangle_of(index, unit), at.x, at.y);
+                       lighting::albedo(scene, rays.geometry(units_.object(unit)), units_.triangle(unit), at.x, at.y);
                 area += place.area;
             }
             result[p] = glm::clamp(sum / area, glm::vec3(0), glm::vec3(k_most_albedo));
@@ -649,12 +546,8 @@ std::vector<glm::vec3> SurfacePatches::albedo(const scene::Scene& scene, const r
 
 std::size_t SurfacePatches::bytes() const
 {
-    std::size_t bytes = 0;
-    for (const TriangleGroups& groups : groups_)
-        bytes += groups.groups.size() * sizeof(TriangleGroups::Group) + groups.group_of.size() * sizeof(std::uint32_t);
-    return bytes + first_part_.size() * (sizeof(std::uint32_t) + 1) + patch_.size() * sizeof(std::uint16_t) +
-           patches_.size() * sizeof(Patch) + places_.size() * sizeof(PatchPlace) +
-           place_of_object_.size() * sizeof(std::uint32_t);
+    return units_.bytes() + first_part_.size() * (sizeof(std::uint32_t) + 1) + patch_.size() * sizeof(std::uint16_t) +
+           patches_.size() * sizeof(Patch) + places_.size() * sizeof(PatchPlace);
 }
 
 }   // namespace gnomon::patches

@@ -12,8 +12,8 @@
 //
 // Patches depend on the static scene alone: neither on the lights, nor on the view or the time.
 //
-// In scenes of very many triangles, groups of small ones take the place of triangles (triangle_groups.h): here, both
-// are units.
+// What is divided are units (surface_units.h): triangles, groups of small ones, or tiles of a wide ground, whose
+// patches are larger the farther they are from everything else (detail_region.h).
 //
 // Cost: a sort of all parts; up to three rays for each part, and some ten more for each place that is tested. Memory:
 // nine bytes for each unit, four for each part, 36 for each place that is kept.
@@ -24,7 +24,7 @@
 
 #include "base/tasks.h"
 #include "patches/detail_cells.h"
-#include "patches/triangle_groups.h"
+#include "patches/surface_units.h"
 #include "ray/ray_scene.h"
 
 namespace gnomon::patches {
@@ -44,10 +44,7 @@ struct PatchOptions {
     float open_reach = 0.5f;       // how far places look for what is close to them, in widths of a cube
     float crossed_lift = 0.001f;   // the same for the places of a part
     float crossed_area = 0.003f;   // parts below this area, in squares of that width, are not tested for crossings
-    // Of scenes with more triangles than `ungrouped`, `grouped` groups are aimed at, each of at most a fraction of the
-    // mean area of a patch.
-    std::size_t ungrouped = std::size_t{1} << 20, grouped = std::size_t{1} << 18;
-    double group_area = 1.0 / 64;
+    UnitOptions units;
 };
 
 /// A point of a patch that represents some of its surface.
@@ -63,6 +60,7 @@ struct Patch {
     glm::vec3 normal{0};     // mean; shorter than 1 if normals differ
     glm::vec3 sample{0};     // the place nearest to the mean, for which visibility is tested
     float area = 0;
+    float weight = 1;                      // how much it matters, 0 to 1 (DetailRegion::weight)
     float radius = 0;                      // of a sphere around `position` that encloses it
     std::uint32_t first = 0, places = 0;   // its places
     PatchId cell = 0;                      // the first patch of the same cell
@@ -74,6 +72,7 @@ class SurfacePatches {
                    Tasks& tasks);
 
     std::span<const Patch> patches() const { return patches_; }
+    const DetailRegion& region() const { return units_.region(); }
     std::span<const PatchPlace> places(const Patch& patch) const
     {
         return std::span<const PatchPlace>(places_).subspan(patch.first, patch.places);
@@ -95,8 +94,6 @@ class SurfacePatches {
     struct Part;
     struct Side;
     struct Made;
-    void number_units(const scene::SceneState& state, const ray::RayScene& rays);
-    void group_meshes(const scene::SceneState& state, const ray::RayScene& rays);
     std::uint8_t level_of(float area, float edge, float width) const;
     void divide(const ray::RayScene& rays, const std::function<float(std::uint32_t)>& width, Tasks& tasks,
                 std::vector<Part>& parts);
@@ -116,31 +113,13 @@ class SurfacePatches {
                                  std::span<const std::size_t> cells, Tasks& tasks) const;
     void number_patches(std::span<const Side> sides, std::span<const std::size_t> cells, std::vector<Made>& made);
     void mark_crossed(const ray::RayScene& rays, std::span<const Part> parts, std::span<const Side> sides);
-    // The index of an object among those with surfaces.
-    scene::ObjectId object_of(std::uint32_t unit) const;
-    const TriangleGroups* groups_of(scene::ObjectId index) const
-    {
-        return groups_of_.empty() ? nullptr : &groups_[groups_of_[index]];
-    }
-    // The triangle of a unit, or the one that represents it.
-    std::uint32_t triangle_of(scene::ObjectId index, std::uint32_t unit) const
-    {
-        const std::uint32_t own = unit - first_unit_[index];
-        const TriangleGroups* groups = groups_of(index);
-        return groups ? groups->groups[own].triangle : own;
-    }
-    glm::vec2 middle_of(std::uint32_t part, std::uint32_t unit) const;
+    glm::dvec2 middle_of(std::uint32_t part, std::uint32_t unit) const;
 
     PatchOptions options_;
-    std::vector<scene::ObjectId> objects_;         // static ones with surfaces, ascending
-    std::vector<std::uint32_t> groups_of_;         // by these: index in groups_; empty: triangles are not grouped
-    std::vector<TriangleGroups> groups_;           // by mesh
-    std::vector<std::uint32_t> first_unit_;        // by object with surfaces, and one more at the end
-    std::vector<std::uint32_t> place_of_object_;   // by object of the scene: its index among these, or none
-    std::vector<std::uint32_t> first_part_;        // by unit, and one more
-    std::vector<std::uint8_t> level_;              // by unit
-    std::vector<float> area_;                      // by unit; only while patches are made
-    std::vector<std::uint16_t> patch_;             // by part and side; k_no_code: none; k_crossed may be set
+    SurfaceUnits units_;
+    std::vector<std::uint32_t> first_part_;   // by unit, and one more
+    std::vector<std::uint8_t> level_;         // by unit
+    std::vector<std::uint16_t> patch_;        // by part and side; k_no_code: none; k_crossed may be set
     std::vector<Patch> patches_;
     std::vector<PatchPlace> places_;
 };

@@ -38,7 +38,7 @@ float quantile(std::span<std::pair<float, double>> values, double fraction)
     return values.front().first;
 }
 
-// The box around the middle of the triangles, extended by objects that enlarge it little.
+// The box around the middle of the triangles that count, extended by objects that enlarge it little.
 Box3 dense_part(const std::vector<ObjectBox>& boxes)
 {
     constexpr double k_outliers = 0.1;   // fraction of triangles that may initially lie beyond each side
@@ -48,9 +48,11 @@ Box3 dense_part(const std::vector<ObjectBox>& boxes)
     for (int axis = 0; axis < 3; ++axis) {
         lows.clear(), highs.clear();
         for (const ObjectBox& object : boxes) {
+            if (!(object.triangles > 0)) continue;
             lows.emplace_back(object.box.low[axis], object.triangles);
             highs.emplace_back(object.box.high[axis], object.triangles);
         }
+        if (lows.empty()) return {};
         dense.low[axis] = quantile(lows, k_outliers);
         dense.high[axis] = quantile(highs, 1 - k_outliers);
     }
@@ -113,8 +115,10 @@ SceneBounds clip_bounds(const Scene& scene, int most_times)
     SceneBounds bounds;
     std::vector<ObjectBox> boxes;
     const int frames = std::max(scene.timeline.frames, 1), times = std::min(frames, most_times);
-    for (const Object& object : scene.objects)
-        boxes.push_back({{}, static_cast<double>(scene.meshes[object.mesh].triangles.size())});
+    for (const Object& object : scene.objects) {
+        const std::size_t triangles = object.by_default ? 0 : scene.meshes[object.mesh].triangles.size();
+        boxes.push_back({{}, static_cast<double>(triangles)});
+    }
     const bool moves =
         std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object& o) { return o.dynamic; });
     // Compute the matrices of all nodes at once, because walking up from each is slow in deep hierarchies.

@@ -21,7 +21,7 @@ class SceneState;
 
 struct SceneBounds {
     Box3 whole;
-    Box3 dense;   // contains most triangles
+    Box3 dense;   // contains most triangles of the file
     friend bool operator==(const SceneBounds& a, const SceneBounds& b)
     {
         return same_bits(a.whole, b.whole) && same_bits(a.dense, b.dense);

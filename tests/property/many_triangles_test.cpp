@@ -76,7 +76,7 @@ TEST(ManyTriangles, PatchesOfGroupsCoverTheSurfaces)
     World world = spheres();
     patches::PatchOptions plain, grouped;
     plain.patches = grouped.patches = 1024;
-    grouped.ungrouped = 0, grouped.grouped = 6000;   // of some 49,000 triangles
+    grouped.units.ungrouped = 0, grouped.units.grouped = 6000;   // of some 49,000 triangles
     const SurfacePatches a(world.state, world.rays, plain, world.tasks),
         b(world.state, world.rays, grouped, world.tasks);
     const auto area_of = [](const SurfacePatches& all) {

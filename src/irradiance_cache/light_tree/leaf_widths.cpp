@@ -9,13 +9,17 @@ namespace gnomon::irradiance_cache {
 
 float LightTree::leaf_spacing() const
 {
+    // Of the light of a ground that reaches to the horizon, hardly any comes near what stands on it.
+    const patches::DetailRegion* region = patches_ ? &patches_->patches().region() : nullptr;
     double logarithms = 0, all = 0;
     for (const View& view : views_) {
         if (!view.on) continue;
         const NodeId leaves = first_of_level(view, view.levels);
         for (NodeId id = leaves; id < leaves + static_cast<NodeId>(view.side * view.side); ++id) {
-            const auto flux = static_cast<double>(quads_[id / 4].flux[id % 4]);
+            const VirtualLightQuad& quad = quads_[id / 4];
+            auto flux = static_cast<double>(quad.flux[id % 4]);
             if (!(flux > 0)) continue;
+            if (region) flux *= static_cast<double>(region->weight({quad.x[id % 4], quad.y[id % 4], quad.z[id % 4]}));
             logarithms += flux * std::log(static_cast<double>(leaf_width(id)));
             all += flux;
         }

@@ -26,7 +26,9 @@ std::uint32_t morton(int x, int y)
 }
 
 constexpr std::size_t k_most_nodes = std::size_t{1} << k_node_bits;
-constexpr int k_smallest_side = 2;               // one level
+constexpr int k_smallest_side = 2;   // one level
+// Around what stands on a wide ground, texels must not be much wider than patches.
+constexpr light_views::ProjectionOptions k_projection{.widening = 8, .border = 0};
 constexpr std::uint32_t k_rays_at_once = 4096;   // between interruption points; a multiple of every packet's width
 
 // The nodes of a view's pyramid, from the level of four nodes down.
@@ -49,7 +51,7 @@ std::vector<scene::LightId> bouncing_lights(const scene::Scene& scene, const lig
                                             const LightTreeOptions& options)
 {
     const auto views = [&](scene::LightId l) {
-        return static_cast<std::size_t>(light_views::view_count(scene.lights[l], bounds, light_views::k_projection));
+        return static_cast<std::size_t>(light_views::view_count(scene.lights[l], bounds, k_projection));
     };
     if (!has_views(scene, options)) return {};
     std::vector<scene::LightId> lights(scene.lights.size());
@@ -91,14 +93,11 @@ std::vector<LightTree::View> LightTree::wanted_views() const
     const scene::Scene& scene = state_->scene();
     std::vector<View> views;
     for (const scene::LightId l : bouncing_lights(scene, bounds_, options_))
-        for (int face = 0; face < light_views::view_count(scene.lights[l], bounds_, light_views::k_projection);
-             ++face) {
+        for (int face = 0; face < light_views::view_count(scene.lights[l], bounds_, k_projection); ++face) {
             for (const bool behind : {false, true}) {
                 if (behind && !rays_->thins_light()) continue;
                 View& view = views.emplace_back();
-                view.light = l;
-                view.face = face;
-                view.behind = behind;
+                view.light = l, view.face = face, view.behind = behind;
             }
         }
     return views;
@@ -112,6 +111,9 @@ void LightTree::choose_sides(std::size_t patch_nodes)
         return scene.lights[view.light].type == scene::LightType::directional;
     };
     const auto suns = static_cast<std::size_t>(std::count_if(views_.begin(), views_.end(), directional));
+    // Views of intermediate width do not make the others coarser.
+    const auto is_between = [&](const View& view) { return directional(view) && view.face > 1; };
+    const auto between = static_cast<std::size_t>(std::ranges::count_if(views_, is_between));
     const auto fitting = [&](std::size_t views, double share) {
         const auto leaves = static_cast<std::size_t>(share * static_cast<double>(options_.leaves));
         int side = options_.side;
@@ -122,7 +124,7 @@ void LightTree::choose_sides(std::size_t patch_nodes)
     };
     const bool apart = options_.directional > 0 && suns > 0 && suns < views_.size();
     const auto share = static_cast<double>(options_.directional);
-    int of_suns = fitting(apart ? suns : views_.size(), apart ? share : 1);
+    int of_suns = fitting((apart ? suns : views_.size()) - between, apart ? share : 1);
     int others = apart ? fitting(views_.size() - suns, 1 - share) : of_suns;
     const auto too_many = [&] {
         return suns * nodes_of(of_suns) + (views_.size() - suns) * nodes_of(others) + patch_nodes > k_most_nodes;
@@ -226,8 +228,8 @@ LightTree::Leaf LightTree::leaf_at(const View& view, const ray::RayQueue& queue,
     float cosine = -glm::dot(normal, queue.direction(i));
     const bool front = cosine >= 0;
     if (!front) normal = -normal, cosine = -cosine;
-    // The wide view of a directional light leaves out the part that the near one covers.
-    if (light.type == scene::LightType::directional && view.face == 1) {
+    // A wide view of a directional light leaves out the part that the one before covers.
+    if (light.type == scene::LightType::directional && view.face > 0) {
         const glm::vec4 clip = view.near_clip * glm::vec4(position, 1);
         if (std::abs(clip.x) <= 1 && std::abs(clip.y) <= 1) return {};
     }
@@ -266,9 +268,9 @@ void LightTree::make_view(View& view)
     view.on = at.visible && light.color != glm::vec3(0) && !light.of_environment;
     view.dynamic_objects.clear(count), view.passes.clear(), view.stray = 0;
     if (!view.on) return;
-    const auto projections = light_views::project(light, at, bounds_, view.side, light_views::k_projection);
+    const auto projections = light_views::project(light, at, bounds_, view.side, k_projection);
     view.projection = projections[static_cast<std::size_t>(view.face)];
-    view.near_clip = projections[0].clip_from_world;
+    if (view.face > 0) view.near_clip = projections[static_cast<std::size_t>(view.face) - 1].clip_from_world;
 
     // Cast one ray per leaf, in tree order, so that neighbours share packets.
     ray::RayQueue queue;

@@ -155,7 +155,8 @@ class LightTree {
     /// Counts the updates that changed flux.
     std::uint32_t flux_version() const { return flux_version_; }
 
-    /// The geometric mean of the widths of lit leaves, weighted by their static flux; 0 without light maps.
+    /// The geometric mean of the widths of lit leaves, weighted by their static flux and how much it
+    /// matters (DetailRegion::weight); 0 without light maps.
     float leaf_spacing() const;
     /// The width of the leaves around the place for which a node's visibility is tested. Not for patches.
     float leaf_width(NodeId id) const;
@@ -192,7 +193,7 @@ class LightTree {
         NodeId first = 0;           // its first node, a multiple of 4: level 1, level 2, ... in Morton order
         bool on = false;
         light_views::ViewProjection projection;
-        glm::mat4 near_clip{1};   // of the same light's first view
+        glm::mat4 near_clip{1};   // of the same light's view before
         int stray = 0;            // texels by which leaves' samples lie beyond the margins of footprints
         DynamicFootprints dynamic_objects;
         std::vector<std::uint16_t> patch;   // by leaf, in tree order: the patch that it lies on; empty without bounces

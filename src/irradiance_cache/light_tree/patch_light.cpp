@@ -91,7 +91,10 @@ PatchLight::PatchLight(const scene::SceneState& state, const ray::RayScene& rays
       tree_(tree_over(patches_.patches())),
       albedo_(patches_.albedo(state.scene(), rays, tasks))
 {
-    for (const patches::Patch& patch : patches_.patches()) area_.push_back(patch.area);
+    for (const patches::Patch& patch : patches_.patches()) {
+        area_.push_back(patch.area);
+        counting_area_.push_back(patch.weight * patch.area);
+    }
     node_.resize(area_.size());
     for (std::uint32_t n = 0; n < tree_.patch.size(); ++n)
         if (tree_.patch[n] != patches::k_no_patch) node_[tree_.patch[n]] = n;
@@ -225,7 +228,7 @@ void PatchLight::light_now(std::span<const glm::vec3> lost, std::span<const glm:
 std::size_t PatchLight::bytes() const
 {
     return patches_.bytes() + links_.bytes() + emission_.bytes() + tree_.children.size() * 3 * sizeof(std::uint32_t) +
-           area_.size() * (sizeof(float) + sizeof(std::uint32_t) + 3 * sizeof(glm::vec3)) +
+           area_.size() * (2 * sizeof(float) + sizeof(std::uint32_t) + 3 * sizeof(glm::vec3)) +
            (static_exitance_.size() + blocked_.size()) * sizeof(glm::vec3);
 }
 

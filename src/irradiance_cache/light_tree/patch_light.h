@@ -98,7 +98,7 @@ class PatchLight {
  private:
     int sweeps() const;
     void find_uneven();
-    patches::PatchSurfaces surfaces() const { return {albedo_, area_}; }
+    patches::PatchSurfaces surfaces() const { return {albedo_, counting_area_}; }
 
     PatchLightOptions options_;
     patches::Surroundings surroundings_;
@@ -109,8 +109,8 @@ class PatchLight {
     std::vector<Reach> uneven_;         // by quad of the tree
     std::vector<std::uint32_t> node_;   // by patch
     std::vector<glm::vec3> albedo_;
-    std::vector<float> area_;
-    double all_ = 0;   // the flux of all static light
+    std::vector<float> area_, counting_area_;   // the second times Patch::weight
+    double all_ = 0;                            // the flux of all static light
     std::vector<glm::vec3> static_flux_, flux_;
     std::vector<glm::vec3> blocked_;           // irradiance that dynamic objects keep from the patches
     std::vector<glm::vec3> static_exitance_;   // that may bounce on, of light maps' leaves as well
