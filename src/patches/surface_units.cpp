@@ -105,6 +105,11 @@ void SurfaceUnits::number(const scene::SceneState& state, const ray::RayScene& r
         first_unit_.push_back(static_cast<std::uint32_t>(area_.size()));
     }
     whole_ = static_cast<std::uint32_t>(area_.size());
+    index_of_block_.resize((whole_ + k_block - 1) / k_block);
+    for (std::uint32_t index = 0, block = 0; block < index_of_block_.size(); ++block) {
+        while (first_unit_[index + 1] <= block * k_block) ++index;
+        index_of_block_[block] = index;
+    }
 }
 
 // Groups the triangles of each mesh, by the size of its largest instance.
@@ -198,8 +203,10 @@ void SurfaceUnits::divide_far(const ray::RayScene& rays, std::size_t most)
 
 std::uint32_t SurfaceUnits::index_of(std::uint32_t unit) const
 {
-    const auto after = std::upper_bound(first_unit_.begin(), first_unit_.end(), whole_of(unit));
-    return static_cast<std::uint32_t>(after - first_unit_.begin() - 1);
+    const std::uint32_t whole = whole_of(unit);
+    std::uint32_t index = index_of_block_[whole / k_block];
+    while (first_unit_[index + 1] <= whole) ++index;
+    return index;
 }
 
 const TriangleGroups::Group* SurfaceUnits::group(std::uint32_t unit) const
@@ -275,8 +282,9 @@ SurfaceUnits::Place SurfaceUnits::at(scene::ObjectId object, std::uint32_t trian
 
 std::size_t SurfaceUnits::bytes() const
 {
-    std::size_t bytes = first_unit_.size() * sizeof(std::uint32_t) + tiles_.size() * sizeof(Tile) +
-                        place_of_object_.size() * sizeof(std::uint32_t);
+    std::size_t bytes =
+        (first_unit_.size() + index_of_block_.size() + place_of_object_.size()) * sizeof(std::uint32_t) +
+        tiles_.size() * sizeof(Tile);
     for (const TriangleGroups& groups : groups_)
         bytes += groups.groups.size() * sizeof(TriangleGroups::Group) + groups.group_of.size() * sizeof(std::uint32_t);
     return bytes;

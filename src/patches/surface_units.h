@@ -85,11 +85,14 @@ class SurfaceUnits {
     }
     const TriangleGroups::Group* group(std::uint32_t unit) const;
 
+    static constexpr std::uint32_t k_block = 64;   // units
+
     DetailRegion region_;
     std::vector<scene::ObjectId> objects_;         // static ones with surfaces, ascending
     std::vector<std::uint32_t> groups_of_;         // by these: index in groups_; empty: triangles are not grouped
     std::vector<TriangleGroups> groups_;           // by mesh
     std::vector<std::uint32_t> first_unit_;        // by object with surfaces, and one more at the end
+    std::vector<std::uint32_t> index_of_block_;    // of the objects: that of the first unit, for each block of units
     std::vector<std::uint32_t> place_of_object_;   // by object of the scene: its index among these, or none
     std::uint32_t whole_ = 0;                      // units that are no tiles; these come first
     std::vector<Tile> tiles_;                      // by whole unit, then by code
