@@ -357,7 +357,7 @@ MUTATIONS = (
         "src/patches/detail_cells.cpp", "square * filled * filled * (weighted / sum)", "square * filled * filled",
         "property:*GroundPatches.*"),
     row("first-tile", "patches", "every point of a divided triangle is on its first tile",
-        "src/patches/surface_units.cpp", "after == first ? first : after - 1", "first",
+        "src/patches/surface_units.cpp", "after == first ? first : after - 1", "after == first ? after : first",
         "property:*GroundPatches.*"),
     row("ground-ends-bounces", "patches", "bounces end when they are few of the light on a ground to the horizon",
         "src/irradiance_cache/light_tree/patch_light.cpp", "patch.weight * patch.area", "patch.area",
