@@ -27,7 +27,7 @@ struct FlatPiece {
 class DetailRegion {
  public:
     DetailRegion() = default;   // the weight is 1 everywhere
-    /// Cost: three passes over the pieces, and one more for each plane that is a ground; and the dynamic objects.
+    /// Cost: two passes over the pieces, and one more for each plane that is a ground; and the dynamic objects.
     /// @param piece  by number below `count`: of static surfaces
     DetailRegion(const scene::SceneState& state, std::size_t count, const std::function<FlatPiece(std::size_t)>& piece);
 

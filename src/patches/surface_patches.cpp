@@ -8,6 +8,7 @@
 #include "base/check.h"
 #include "base/interruption.h"
 #include "base/micro_triangles.h"
+#include "base/triangle_edges.h"
 #include "lighting/diffuse.h"
 #include "patches/nearest_place.h"
 #include "ray/directions_above.h"
@@ -39,11 +40,6 @@ float weight_of_openness(std::uint8_t openness)
     const float open =
         (static_cast<float>(openness) + k_least_open) / (static_cast<float>(k_directions) + k_least_open);
     return open * open * open;
-}
-
-float longest_edge(const glm::vec3 (&p)[3])
-{
-    return std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
 }
 
 }   // namespace

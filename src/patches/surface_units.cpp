@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "base/micro_triangles.h"
+#include "base/triangle_edges.h"
 
 namespace gnomon::patches {
 
@@ -13,11 +14,6 @@ namespace {
 
 constexpr std::uint32_t k_most_tile_level = 12;
 constexpr float k_tile_near = 0.5f, k_tile_far = 0.5f;   // its longest edge: of the region's size, of its distance
-
-float longest_edge(const glm::vec3 (&p)[3])
-{
-    return std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
-}
 
 // The corners of a part of a triangle.
 void corners_of_part(const glm::vec3 (&p)[3], const MicroTriangle& part, std::uint32_t level, glm::vec3 (&out)[3])

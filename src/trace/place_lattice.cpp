@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/hash.h"
+#include "base/triangle_edges.h"
 #include "ray/origin.h"
 #include "ray/ray_scene.h"
 
@@ -15,11 +16,6 @@ namespace {
 
 constexpr std::uint32_t k_most_level = 14;   // a triangle has 2^level steps along an edge
 constexpr std::uint32_t k_nowhere = 0xffffffff;
-
-float longest_edge(const glm::vec3 (&p)[3])
-{
-    return std::max({glm::distance(p[0], p[1]), glm::distance(p[1], p[2]), glm::distance(p[2], p[0])});
-}
 
 }   // namespace
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/hash.h"
+#include "base/triangle_edges.h"
 #include "ray/origin.h"
 #include "ray/ray_scene.h"
 
@@ -17,11 +18,6 @@ constexpr float k_part_per_cone = 1;         // the longest edge of a part, in w
 constexpr float k_cube_per_cone = 0.5f;      // the edge of a cube whose triangles have one place, likewise
 constexpr std::uint32_t k_most_level = 14;   // a triangle has 4^level parts
 constexpr std::uint32_t k_nowhere = 0xffffffff;
-
-float longest_edge(const glm::vec3 (&p)[3])
-{
-    return std::max({glm::distance(p[0], p[1]), glm::distance(p[1], p[2]), glm::distance(p[2], p[0])});
-}
 
 }   // namespace
 
