@@ -32,6 +32,9 @@ struct IrradianceCache::Batch::Scratch {
     // Of a remembered batch: the surface points that are computed anew.
     std::vector<std::uint32_t> rest;
     std::vector<glm::vec3> rest_irradiance;
+    std::vector<glm::vec4> near_known;   // of its surface points
+    std::vector<float> near_share;
+    NearBlend near_blend;
     // If rays are limited: of the claimed points, new ones and those on moving objects; and what arrives at some
     // pixels.
     std::vector<CachePoint*> fresh, moved;
@@ -307,10 +310,12 @@ bool IrradianceCache::shade_points(Batch::Scratch& own, std::span<const Indirect
     }
     if (near_field && near_field_.hints()) {
         own.pixels.fill(work.near_weight.data());
+        own.pixels.fill(work.near_known.data());
+        own.pixels.fill(work.near_share.data());
         if (own.near_field.select(frame_, points, work, failure_, own.evaluation.counters)) {
             add_near_field(own, points, irradiance);
             for (const NearFieldStep::Selected& near : own.near_field.selected())
-                if (recorder) recorder->add_near(near.point, near.weight, near.part);
+                if (recorder) recorder->add_near(near.point, near.weight, near.known, near.part);
         }
     }
     if (budget_.limited()) note_light(own, points, irradiance);
@@ -358,17 +363,26 @@ void IrradianceCache::shade_remembered(Batch::Scratch& own, const RememberedBatc
     evaluate_claimed(own);
 
     std::fill(irradiance, irradiance + remembered.count, glm::vec3(0));
-    remembered.add_lattice(irradiance);
+    own.near_known.assign(remembered.count, glm::vec4(0));
+    own.near_share.assign(remembered.count, 0);
+    remembered.add_lattice(irradiance, own.near_known.data(), own.near_share.data());
     // Compute the others anew.
     if (const std::size_t count = remembered.rest.size(); count > 0) {
         own.rest.resize(count), own.rest_irradiance.resize(count);
         for (std::uint32_t i = 0; i < count; ++i) own.rest[i] = i;
         begin_points(own, remembered.rest_points);
         compute_points(own, remembered.rest_points, own.rest, own.rest_irradiance.data(), nullptr);
-        for (std::size_t i = 0; i < count; ++i) irradiance[remembered.rest[i]] = own.rest_irradiance[i];
+        for (std::size_t i = 0; i < count; ++i) {
+            irradiance[remembered.rest[i]] = own.rest_irradiance[i];
+            own.near_known[remembered.rest[i]] = own.work.near_known[i];
+            own.near_share[remembered.rest[i]] = own.work.near_share[i];
+        }
     }
     remembered.pixels.fill(irradiance);
-    remembered.add_near(irradiance);
+    if (remembered.near.empty()) return;
+    remembered.pixels.fill(own.near_known.data());
+    remembered.pixels.fill(own.near_share.data());
+    remembered.add_near(own.near_known.data(), own.near_share.data(), own.near_blend, irradiance);
 }
 
 // Notes what arrives at some of the computed pixels that lack nothing, for pixels that lack points.
@@ -394,7 +408,7 @@ void IrradianceCache::add_near_field(Batch::Scratch& own, std::span<const Indire
         own.near_field.collect(frame_, own.claims);
         evaluate_claimed(own);
     }
-    own.near_field.blend(points, irradiance);
+    own.near_field.blend(points, own.work, irradiance);
 }
 
 // Brings all claimed points up to this frame, and waits for those that other threads claimed.

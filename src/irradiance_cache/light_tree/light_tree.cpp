@@ -37,13 +37,16 @@ std::size_t nodes_of(int side)
     return (4 * static_cast<std::size_t>(side) * static_cast<std::size_t>(side) - 4) / 3;
 }
 
-// Whether any light shines into its views. Those that approximate an environment image do not, nor do those of emissive
-// surfaces that light patches.
+// Whether a light has views. Those that approximate an environment image have none, nor have those of emissive surfaces
+// that light patches.
+bool shines_into_views(const scene::Light& light, const LightTreeOptions& options)
+{
+    return !light.of_environment && !(options.patches.emission && light.of_surface);
+}
+
 bool has_views(const scene::Scene& scene, const LightTreeOptions& options)
 {
-    return std::ranges::any_of(scene.lights, [&](const scene::Light& light) {
-        return !light.of_environment && !(options.patches.emission && light.of_surface);
-    });
+    return std::ranges::any_of(scene.lights, [&](const auto& light) { return shines_into_views(light, options); });
 }
 
 // All lights if their views fit; else the strongest, in the scene's order.
@@ -53,11 +56,9 @@ std::vector<scene::LightId> bouncing_lights(const scene::Scene& scene, const lig
     const auto views = [&](scene::LightId l) {
         return static_cast<std::size_t>(light_views::view_count(scene.lights[l], bounds, k_projection));
     };
-    if (!has_views(scene, options)) return {};
     std::vector<scene::LightId> lights(scene.lights.size());
     std::iota(lights.begin(), lights.end(), 0u);
-    // Emissive surfaces that light patches need no lights that approximate them.
-    if (options.patches.emission) std::erase_if(lights, [&](scene::LightId l) { return scene.lights[l].of_surface; });
+    std::erase_if(lights, [&](scene::LightId l) { return !shines_into_views(scene.lights[l], options); });
     std::stable_sort(lights.begin(), lights.end(), [&](scene::LightId a, scene::LightId b) {
         return luminance(scene.lights[a].color) > luminance(scene.lights[b].color);
     });

@@ -54,7 +54,7 @@ std::ptrdiff_t NearEvaluator::evaluate(const CacheFrame& frame, std::span<CacheP
         frame, claimed, false, [&](const CachePoint& point) { return point.version != version; },
         [&](CachePoint& point, std::size_t k) {
             std::copy(answers_[k].light, answers_[k].light + 3, point.static_light);
-            point.free[0] = answers_[k].nearest;
+            point.free[0] = answers_[k].nearest, point.near_factor = answers_[k].form_factor;
             // Keep what tells which rays dynamic objects may matter to.
             more -= static_cast<std::ptrdiff_t>(point.near_reach.size());
             const auto first = reach_.begin() + static_cast<std::ptrdiff_t>(k * rays);

@@ -61,8 +61,9 @@ struct NearLight::Met {
 };
 
 // Queues a ray to each light that shines on a surface.
-void NearLight::light_surface(const scene::SceneState& state, const ray::RayScene& rays, const Met& met,
-                              Scratch& scratch) const
+// @return  how much of its light is a part of the near field, 0 to 1
+float NearLight::light_surface(const scene::SceneState& state, const ray::RayScene& rays, const Met& met,
+                               Scratch& scratch) const
 {
     const scene::Scene& scene = state.scene();
     const std::size_t i = met.ray;
@@ -75,12 +76,13 @@ void NearLight::light_surface(const scene::SceneState& state, const ray::RayScen
     const float u = scratch.hits.u[i], v = scratch.hits.v[i];
     glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
     const float length = glm::length(normal);
-    if (!(length > 0)) return;
+    if (!(length > 0)) return 0;
     normal /= length;
     if (glm::dot(normal, direction) > 0) normal = -normal;
     const glm::vec3 position = std::max(0.0f, 1 - u - v) * p[0] + u * p[1] + v * p[2];
     const glm::vec3 from = position + ray::origin_lift(p) * normal;
     glm::vec3 exitance(-1);
+    float most = -1;
     for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
         const scene::Light& light = scene.lights[l];
         const scene::LightState& at = state.light(l);
@@ -90,6 +92,7 @@ void NearLight::light_surface(const scene::SceneState& state, const ray::RayScen
         if (!(cosine > 0) || sample.irradiance == glm::vec3(0)) continue;
         const float width = options_.tree ? options_.tree->leaf_width(l, position, cosine) : k_infinity;
         const float near = 1 - far_fraction(scratch.hits.t[i], options_.radius_at(width));
+        most = std::max(most, near);
         if (!(near > 0)) continue;
         if (exitance.x < 0) exitance = met.factor * lighting::exitance_per_irradiance(scene, geometry, triangle, u, v);
         if (exitance == glm::vec3(0)) break;
@@ -101,6 +104,7 @@ void NearLight::light_surface(const scene::SceneState& state, const ray::RayScen
         const float at_point = std::max(glm::dot(direction, met.normal), k_least_cosine);
         scratch.lit.push_back({met.receiver, radiance * (near * weight), direction / at_point, i});
     }
+    return most < 0 ? 1 - far_fraction(scratch.hits.t[i], options_.radius) : most;
 }
 
 // Lets the rays in scratch.on go on behind surfaces that thin light, with what these let through of the light from
@@ -177,6 +181,7 @@ void NearLight::find_lit(const scene::SceneState& state, const ray::RayScene& ra
     scratch.on.clear();
     if (thins) scratch.passes.assign(queue.size(), glm::vec3(1));
     std::fill(answers, answers + count, NearAnswer{});
+    const float ray_share = 1 / static_cast<float>(directions_.size());
     for (std::size_t i = 0; i < queue.size(); ++i) {
         const std::uint32_t k = scratch.receiver_of[i];
         const scene::ObjectId object = scratch.hits.object[i];
@@ -189,7 +194,7 @@ void NearLight::find_lit(const scene::SceneState& state, const ray::RayScene& ra
             scratch.passes[i] = thin.passes;
             scratch.on.push_back(static_cast<std::uint32_t>(i));
         }
-        if (!state.is_dynamic(object)) light_surface(state, rays, met, scratch);
+        if (!state.is_dynamic(object)) answers[k].form_factor += ray_share * light_surface(state, rays, met, scratch);
     }
     light_behind(state, rays, receivers, against, scratch);
 }

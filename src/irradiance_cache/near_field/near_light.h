@@ -48,6 +48,7 @@ std::vector<glm::vec3> cosine_directions(int count);
 struct NearAnswer {
     glm::vec3 light[3] = {};      // by colour, as CachePoint::light
     float nearest = k_infinity;   // distance to the nearest surface, scene units
+    float form_factor = 0;        // of the surfaces in the near field, as far as it has not faded out
 };
 
 class NearLight {
@@ -105,8 +106,8 @@ class NearLight {
         return at.visible && !light.of_environment && (!light.of_surface || options_.surface_lights);
     }
     static void doubt(const MovingSpheres& spheres, Scratch& scratch);
-    void light_surface(const scene::SceneState& state, const ray::RayScene& rays, const Met& met,
-                       Scratch& scratch) const;
+    float light_surface(const scene::SceneState& state, const ray::RayScene& rays, const Met& met,
+                        Scratch& scratch) const;
     void light_behind(const scene::SceneState& state, const ray::RayScene& rays, const NearReceiver* receivers,
                       ray::Against against, Scratch& scratch) const;
 

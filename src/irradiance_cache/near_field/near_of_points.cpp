@@ -7,8 +7,7 @@ namespace gnomon::irradiance_cache {
 
 bool includes_near_field(const CacheFrame& frame, const CachePoint& point)
 {
-    return point.owner == k_no_owner && is_lattice(point.key) && frame.near_field.light().options().radius > 0 &&
-           !frame.near_field.applies_at(lattice_spacing(point.key));
+    return point.owner == k_no_owner && is_lattice(point.key) && frame.near_field.light().options().radius > 0;
 }
 
 bool dynamic_may_occlude_near(const CacheFrame& frame, const CachePoint& point)
@@ -38,7 +37,7 @@ void NearOfPoints::find_static(const CacheFrame& frame, std::span<CachePoint* co
 {
     points_.clear();
     for (CachePoint* point : points) {
-        point->near_light = false;
+        point->near_light = false, point->static_near = glm::vec3(0), point->near_factor = 0;
         if (includes_near_field(frame, *point)) points_.push_back(point);
     }
     gather(frame, false, counters);
@@ -46,12 +45,16 @@ void NearOfPoints::find_static(const CacheFrame& frame, std::span<CachePoint* co
 
 void NearOfPoints::add_found() noexcept
 {
-    for (std::size_t k = 0; k < points_.size(); ++k)
+    for (std::size_t k = 0; k < points_.size(); ++k) {
+        CachePoint& point = *points_[k];
+        point.near_factor = answers_[k].form_factor;
         for (int colour = 0; colour < 3; ++colour) {
             const glm::vec3& light = answers_[k].light[colour];
-            points_[k]->static_light[colour] += light;
-            points_[k]->near_light = points_[k]->near_light || light != glm::vec3(0);
+            point.static_light[colour] += light;
+            point.static_near[colour] = glm::dot(light, point.normal);
+            point.near_light = point.near_light || light != glm::vec3(0);
         }
+    }
 }
 
 void NearOfPoints::correct(const CacheFrame& frame, std::span<CachePoint* const> points, CacheCounters& counters)
@@ -62,7 +65,10 @@ void NearOfPoints::correct(const CacheFrame& frame, std::span<CachePoint* const>
     if (points_.empty()) return;
     gather(frame, true, counters);
     for (std::size_t k = 0; k < points_.size(); ++k)
-        for (int colour = 0; colour < 3; ++colour) points_[k]->light[colour] += answers_[k].light[colour];
+        for (int colour = 0; colour < 3; ++colour) {
+            points_[k]->light[colour] += answers_[k].light[colour];
+            points_[k]->near[colour] += glm::dot(answers_[k].light[colour], points_[k]->normal);
+        }
 }
 
 // Gathers the near fields of points_, or what dynamic objects change of them, some at a time.

@@ -30,7 +30,8 @@ bool NearFieldStep::select(const CacheFrame& frame, std::span<const IndirectPoin
         const float weight = (work.near_weight[pixel.point] - k_least_weight) / (1 - k_least_weight);
         const PartWeights parts = select_near_parts(frame, point);
         for (int i = 0; i < parts.count; ++i)
-            selected_.push_back({pixel.point, weight * parts.weight[i], parts.key[i], nullptr});
+            selected_.push_back({pixel.point, weight * parts.weight[i],
+                                 weight * parts.weight[i] / work.near_weight[pixel.point], parts.key[i], nullptr});
     }
     return !selected_.empty();
 }
@@ -39,7 +40,7 @@ bool NearFieldStep::select_of_parts(const BatchWork& work)
 {
     selected_.clear();
     for (const NearPartRequest& part : work.near_parts)
-        selected_.push_back({part.point, part.weight, part.key, nullptr});
+        selected_.push_back({part.point, part.weight, 0, part.key, nullptr});
     return !selected_.empty();
 }
 
@@ -171,16 +172,19 @@ void NearFieldStep::replace(const CacheFrame& frame, const IndirectPoint& point,
     Selected& near = selected_[selected];
     near.key = key_at(detail.level);
     if (finer < 1) {
-        const Selected coarser{near.point, (1 - finer) * near.weight, key_at(detail.level - 1), nullptr};
-        near.weight *= finer;
+        const Selected coarser{near.point, (1 - finer) * near.weight, (1 - finer) * near.known,
+                               key_at(detail.level - 1), nullptr};
+        near.weight *= finer, near.known *= finer;
         selected_.push_back(coarser);
     }
 }
 
-void NearFieldStep::blend(std::span<const IndirectPoint> points, glm::vec3* irradiance) const
+void NearFieldStep::blend(std::span<const IndirectPoint> points, const BatchWork& work, glm::vec3* irradiance)
 {
+    blend_.begin(points.size());
     for (const Selected& near : selected_)
-        irradiance[near.point] += near.weight * near.part->irradiance(points[near.point].normal);
+        blend_.add(near.point, near.weight, near.known, *near.part, points[near.point].normal);
+    blend_.finish(work.near_known.data(), work.near_share.data(), irradiance);
 }
 
 }   // namespace gnomon::irradiance_cache

@@ -3,6 +3,7 @@
 // The near field at the pixels of a batch: finds the pixels with surfaces close by, collects their near-field points,
 // and adds those points' irradiance.
 
+#include "irradiance_cache/near_field/near_blend.h"
 #include "irradiance_cache/points/collector.h"
 #include "irradiance_cache/points/parts.h"
 
@@ -24,13 +25,13 @@ class NearFieldStep {
     /// Replaces selected points that their pixel does not see by others close to the pixel.
     /// @return  whether there are any: they must be collected and evaluated, too
     bool replace_hidden(const CacheFrame& frame, std::span<const IndirectPoint> points, CacheCounters& counters);
-    /// Adds the selected points' irradiance.
-    void blend(std::span<const IndirectPoint> points, glm::vec3* irradiance) const;
+    /// Adds the selected points' irradiance, in place of what the lattice knows of it.
+    void blend(std::span<const IndirectPoint> points, const BatchWork& work, glm::vec3* irradiance);
 
     /// A near-field point of a pixel.
     struct Selected {
         std::uint32_t point;
-        float weight;
+        float weight, known;   // of its light, and of what the lattice knows of it (BatchWork::near_known)
         AnchorKey key;
         CachePoint* part;
     };
@@ -52,6 +53,7 @@ class NearFieldStep {
     std::vector<NearHints::Cell> awaited_;
     NearHints::Scratch hints_;
     std::vector<Selected> selected_;
+    NearBlend blend_;
     std::vector<std::uint32_t> doubted_;   // selected points that their pixel may not see
     ray::RayQueue rays_;
     std::vector<std::uint8_t> occluded_;

@@ -27,12 +27,14 @@ struct CachePoint {
     bool covered = false;      // parts of static objects: other geometry lies on it
     bool local = false;        // lattice points: their light holds for nothing around (StaticVisibility::find_local)
     bool steep = false;        // lattice points: their light changes within a spacing, as at the foot of a wall
-    bool near_light = false;   // static_light includes light of a near field (near_field/near_of_points.h)
-    float brightness = 0;      // lattice points: luminance of their static light, its near field aside;
-    float sky_light = 0;       // and of this, the sky's
-    float lift = 0;            // distance from the surface at which rays start
-    glm::vec3 position{0};     // on the surface
-    glm::vec3 normal{0};       // unit, shading
+    bool near_light = false;   // static_light includes light of a near field (near_field/near_of_points.h):
+    glm::vec3 static_near{0}, near{0};   // its irradiance by colour, without dynamic objects and now
+    float near_factor = 0;   // lattice and near-field points: the form factor of the surfaces of their near field
+    float brightness = 0;    // lattice points: luminance of their static light, its near field aside;
+    float sky_light = 0;     // and of this, the sky's
+    float lift = 0;          // distance from the surface at which rays start
+    glm::vec3 position{0};   // on the surface
+    glm::vec3 normal{0};     // unit, shading
     glm::vec3 geometric_normal{0};
     glm::vec3 horizon{0};       // unit: light comes from above its plane (ray/smooth_surface.h)
     glm::vec3 smooth_lift{0};   // from the position to the smooth surface
@@ -80,6 +82,15 @@ struct CachePoint {
         for (int colour = 0; colour < 3; ++colour) light[colour] += flux[colour] * direction;
     }
 };
+
+/// What the near fields of a lattice cell's points bring, by colour, and the form factor of their surfaces.
+/// @param weights  of the points
+/// @param all      their sum, above 0
+inline glm::vec4 near_between(const CachePoint* const (&points)[4], const float (&weights)[4], float all)
+{
+    const auto of = [&](int i) { return weights[i] * glm::vec4(points[i]->near, points[i]->near_factor); };
+    return ((of(0) + of(1)) + (of(2) + of(3))) / all;
+}
 
 /// The `ready` of a point whose evaluation failed in a frame.
 inline constexpr std::uint32_t abandoned_in(std::uint32_t frame)

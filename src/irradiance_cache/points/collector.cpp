@@ -25,6 +25,8 @@ void PointCollector::begin(const CacheFrame& frame, std::span<const IndirectPoin
     work.lattice.clear();
     work.parts.clear();
     work.near_weight.assign(points.size(), 1);
+    work.near_known.assign(points.size(), glm::vec4(0));
+    work.near_share.assign(points.size(), 0);
     work.deferred.assign(frame.budget.limited() ? points.size() : 0, 0);
     work.near_parts.clear();
     for (const std::uint32_t i : chosen) {

@@ -60,7 +60,9 @@ struct CollectedCell {
 /// The open requests of a batch of surface points.
 struct BatchWork {
     std::vector<std::uint8_t> dynamic;    // by surface point: it is on a dynamic object, or its pixel has no width
-    std::vector<float> near_weight;       // by surface point: fraction of its irradiance that lacks the near field
+    std::vector<float> near_weight;       // by surface point: fraction of its irradiance that lacks the near field,
+    std::vector<glm::vec4> near_known;    // or has that of lattice points: near_between(), weighted
+    std::vector<float> near_share;        // and the weight of those levels that have any near field
     std::vector<float> form_factor;       // by surface point: of the surfaces that light it
     std::vector<std::uint8_t> deferred;   // by surface point: it lacks cache points, because rays are limited
     std::vector<LatticeRequest> lattice;

@@ -163,6 +163,7 @@ void DeviceEvaluator::sum(const CacheFrame& frame, std::span<CachePoint* const> 
             CachePoint& point = *changed[p];
             ++own.counters.summed_points;
             point.dynamic_version = frame.dynamic_version;
+            point.near = point.static_near;
             for (int colour = 0; colour < 3; ++colour)
                 point.light[colour] = point.static_light[colour] + point.tint[colour] * sums.light[p].of[colour];
             for (; crossed != sums.crossed.end() && crossed->point == p; ++crossed) {

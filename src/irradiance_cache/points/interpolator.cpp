@@ -66,7 +66,7 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
         interpolate_cell(cell.anchors, reach_of(cell), work.lattice_points, cell.first, cell.end - cell.first, light_);
     leave_out_hidden(frame, points, work, counters);
     find_steep(work);
-    if (recorder) recorder->add_cells(work.cells);
+    if (recorder) recorder->add_cells(frame.near_field, work.cells);
     std::size_t kept = 0;
     for (std::size_t k = 0; k < work.lattice.size(); ++k) {
         LatticeRequest request = work.lattice[k];
@@ -100,7 +100,10 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
         irradiance[request.point] += weight * between;
         if (recorder) recorder->add(request.point, request.cell, weight, light_, k);
         work.form_factor[request.point] += weight * light_.form_factor[k];
-        if (!frame.near_field.applies_at(spacing)) work.near_weight[request.point] -= weight;
+        if (!frame.near_field.applies_at(spacing))
+            work.near_weight[request.point] -= weight;
+        else if (const glm::vec4 near = near_at(work.cells[request.cell], light_, k); near.w > 0)
+            work.near_known[request.point] += weight * near, work.near_share[request.point] += weight;
         request.weight -= weight;
         if (!(request.weight > 0)) continue;
         // Request the next level, or parts after the finest.
@@ -133,8 +136,7 @@ void Interpolator::finish_deferred(const CacheFrame& frame, const IndirectPoint&
     work.deferred[request.point] = 1;
     irradiance[request.point] += request.weight * (any ? known.light : frame.rough.at(point.position, point.normal));
     work.form_factor[request.point] += request.weight * known.form_factor;
-    if (!any || !frame.near_field.applies_at(spacing_of(request.level)))
-        work.near_weight[request.point] -= request.weight;
+    work.near_weight[request.point] -= request.weight;
 }
 
 // What takes the place of a part without light. One that is left to a later frame needs something even where the
@@ -287,16 +289,33 @@ void Interpolator::gather_anchors(BatchWork& work)
     }
 }
 
+// What a surface point takes from the near fields of a cell's points.
+glm::vec4 Interpolator::near_at(const CollectedCell& cell, const LatticeLight& light, std::size_t k)
+{
+    if (!(light.weight[k] > 0)) return glm::vec4(0);
+    const CachePoint* const points[4] = {cell.point[0], cell.point[1], cell.point[2], cell.point[3]};
+    const float weights[4] = {light.weight_of[0][k], light.weight_of[1][k], light.weight_of[2][k],
+                              light.weight_of[3][k]};
+    return near_between(points, weights, light.weight[k]);
+}
+
+// What arrives by a cell of the lattice from beyond the near field, which parts do not hold.
+Arriving Interpolator::without_near(const CollectedCell& cell, const LatticeLight& light, std::size_t k)
+{
+    const glm::vec3 arrives(light.r[k], light.g[k], light.b[k]), near(near_at(cell, light, k));
+    return {glm::max(arrives - near, glm::vec3(0)), light.form_factor[k]};
+}
+
 // What arrives by a level where its weight is small. At the foot of a wall few cache points contribute, and the
 // others lie inside the wall.
 Arriving Interpolator::fallback(const BatchWork& work, std::size_t k)
 {
     const glm::vec3 between(light_.r[k], light_.g[k], light_.b[k]);
-    if (between != glm::vec3(0)) return {between, light_.form_factor[k]};
     const LatticeRequest& request = work.lattice[k];
+    if (between != glm::vec3(0)) return without_near(work.cells[request.cell], light_, k);
     interpolate_cell(work.cells[request.cell].anchors, {k_plane_around * spacing_of(request.level), k_facing, false},
                      work.lattice_points, k, 1, around_);
-    return {{around_.r[k], around_.g[k], around_.b[k]}, around_.form_factor[k]};
+    return without_near(work.cells[request.cell], around_, k);
 }
 
 // Whether a part's point does not see the surface point that it stands for. Both ends are raised, so that a surface

@@ -46,6 +46,8 @@ class Interpolator {
                                 BatchWork& work);
     static float difference(const CollectedCell& cell, const LatticeLight& light, std::size_t k);
     static float unevenness(const CacheFrame& frame, const CollectedCell& cell, const IndirectPoint& point);
+    static glm::vec4 near_at(const CollectedCell& cell, const LatticeLight& light, std::size_t k);
+    static Arriving without_near(const CollectedCell& cell, const LatticeLight& light, std::size_t k);
     Arriving fallback(const BatchWork& work, std::size_t request);
 
     LatticeLight light_, around_;

@@ -12,12 +12,12 @@ constexpr std::uint16_t k_none = 0xffff;
 }   // namespace
 
 // In the order of operations of interpolate_cell(), so that the light is the same to the bit.
-void RememberedBatch::add_lattice(glm::vec3* irradiance) const
+void RememberedBatch::add_lattice(glm::vec3* irradiance, glm::vec4* near_known, float* near_share) const
 {
     std::uint32_t next = 0;
     for (const Cell& cell : cells) {
-        const CachePoint* from[4];
-        for (int i = 0; i < 4; ++i) from[i] = cached[cell.at[i]];
+        const CachePoint* const from[4] = {cached[cell.at[0]], cached[cell.at[1]], cached[cell.at[2]],
+                                           cached[cell.at[3]]};
         // Surface points of a plane have one normal.
         glm::vec3 arrives[4] = {};
         std::size_t normal = normals.size();
@@ -30,13 +30,19 @@ void RememberedBatch::add_lattice(glm::vec3* irradiance) const
             const glm::vec3 sum = (c.weight_of[0] * arrives[0] + c.weight_of[1] * arrives[1]) +
                                   (c.weight_of[2] * arrives[2] + c.weight_of[3] * arrives[3]);
             irradiance[c.point] += c.weight * (sum / c.all);
+            if (!cell.near) continue;
+            if (const glm::vec4 fields = near_between(from, c.weight_of, c.all); fields.w > 0)
+                near_known[c.point] += c.weight * fields, near_share[c.point] += c.weight;
         }
     }
 }
 
-void RememberedBatch::add_near(glm::vec3* irradiance) const
+void RememberedBatch::add_near(const glm::vec4* near_known, const float* near_share, NearBlend& scratch,
+                               glm::vec3* irradiance) const
 {
-    for (const Near& n : near) irradiance[n.point] += n.weight * cached[n.at]->irradiance(normals[n.normal]);
+    scratch.begin(count);
+    for (const Near& n : near) scratch.add(n.point, n.weight, n.known, *cached[n.at], normals[n.normal]);
+    scratch.finish(near_known, near_share, irradiance);
 }
 
 std::size_t RememberedBatch::bytes() const
@@ -53,11 +59,12 @@ void BatchRecorder::begin()
     first_cell_ = 0;
 }
 
-void BatchRecorder::add_cells(std::span<const CollectedCell> cells)
+void BatchRecorder::add_cells(const NearField& near_field, std::span<const CollectedCell> cells)
 {
     first_cell_ = cells_.size();
     for (const CollectedCell& cell : cells)
-        cells_.push_back({{cell.point[0], cell.point[1], cell.point[2], cell.point[3]}});
+        cells_.push_back({{cell.point[0], cell.point[1], cell.point[2], cell.point[3]},
+                          near_field.applies_at(spacing_of(cell.level))});
 }
 
 void BatchRecorder::add(std::uint32_t point, std::uint32_t cell, float weight, const LatticeLight& light, std::size_t k)
@@ -116,6 +123,7 @@ std::unique_ptr<RememberedBatch> BatchRecorder::finish(std::span<const IndirectP
         if (c == 0 || contributions_[c].cell != contributions_[c - 1].cell) {
             RememberedBatch::Cell& cell = to.cells.emplace_back();
             for (int i = 0; i < 4; ++i) cell.at[i] = number(cells_[contributions_[c].cell].point[i]);
+            cell.near = cells_[contributions_[c].cell].near;
         }
         to.contributions.push_back(contributions_[c].of);
         to.contributions.back().normal = normal_of(contributions_[c].of.point);
@@ -123,7 +131,8 @@ std::unique_ptr<RememberedBatch> BatchRecorder::finish(std::span<const IndirectP
     }
     to.near.reserve(near_.size());
     for (const Near& n : near_)
-        to.near.push_back({static_cast<std::uint16_t>(n.point), normal_of(n.point), number(n.cached), n.weight});
+        to.near.push_back(
+            {static_cast<std::uint16_t>(n.point), normal_of(n.point), number(n.cached), n.weight, n.known});
     to.cells.shrink_to_fit(), to.normals.shrink_to_fit();
     return result;
 }

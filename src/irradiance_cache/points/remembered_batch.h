@@ -18,6 +18,7 @@
 #include <span>
 #include <vector>
 
+#include "irradiance_cache/near_field/near_blend.h"
 #include "irradiance_cache/points/cache_point.h"
 #include "irradiance_cache/points/collector.h"
 #include "irradiance_cache/points/sparse_pixels.h"
@@ -35,11 +36,12 @@ struct RememberedBatch {
     struct Cell {
         std::uint32_t at[4];   // in `cached`
         std::uint32_t end;     // of its contributions
+        bool near;             // near-field points replace the near fields of the cell's points
     };
     struct Near {
         std::uint16_t point, normal;
         std::uint32_t at;
-        float weight;
+        float weight, known;   // NearFieldStep::Selected
     };
     static constexpr std::size_t k_most_points = 1u << 15;
 
@@ -56,8 +58,10 @@ struct RememberedBatch {
     std::vector<IndirectPoint> rest_points;
 
     /// Adds what the surface points take from the lattice.
-    void add_lattice(glm::vec3* irradiance) const;
-    void add_near(glm::vec3* irradiance) const;
+    /// @param near_known  BatchWork::near_known
+    void add_lattice(glm::vec3* irradiance, glm::vec4* near_known, float* near_share) const;
+    void add_near(const glm::vec4* near_known, const float* near_share, NearBlend& scratch,
+                  glm::vec3* irradiance) const;
     std::size_t bytes() const;
 };
 
@@ -66,13 +70,16 @@ class BatchRecorder {
  public:
     void begin();
     /// Begins a level of the lattice.
-    void add_cells(std::span<const CollectedCell> cells);
+    void add_cells(const NearField& near_field, std::span<const CollectedCell> cells);
     /// Notes the contribution of a cell of this level to a surface point.
     /// @param k  of `light`
     void add(std::uint32_t point, std::uint32_t cell, float weight, const LatticeLight& light, std::size_t k);
     /// Notes that surface points take light from parts.
     void add_rest(std::span<const PartRequest> parts);
-    void add_near(std::uint32_t point, float weight, CachePoint* cached) { near_.push_back({point, weight, cached}); }
+    void add_near(std::uint32_t point, float weight, float known, CachePoint* cached)
+    {
+        near_.push_back({point, weight, known, cached});
+    }
     /// Makes a batch of what was noted. Its `frame` and `static_results` are left out.
     std::unique_ptr<RememberedBatch> finish(std::span<const IndirectPoint> points, const SparsePixels& pixels);
 
@@ -83,10 +90,11 @@ class BatchRecorder {
     };
     struct Cell {
         CachePoint* point[4];
+        bool near;
     };
     struct Near {
         std::uint32_t point;
-        float weight;
+        float weight, known;
         CachePoint* cached;
     };
     std::vector<Cell> cells_;

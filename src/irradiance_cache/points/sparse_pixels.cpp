@@ -164,7 +164,8 @@ RememberedPixels SparsePixels::remembered() const
     return result;
 }
 
-void RememberedPixels::fill(glm::vec3* values) const
+template <class Value>
+void RememberedPixels::fill_blocks(Value* values) const
 {
     const auto point = [&](int x, int y) {
         return static_cast<std::size_t>(point_[place_of(x, y)] & ~std::uint32_t{k_computed});
@@ -173,7 +174,27 @@ void RememberedPixels::fill(glm::vec3* values) const
         blocks_, point, [&](int x, int y, std::size_t) { return (point_[place_of(x, y)] & k_computed) != 0; }, values);
 }
 
+void RememberedPixels::fill(glm::vec3* values) const
+{
+    fill_blocks(values);
+}
+
+void RememberedPixels::fill(glm::vec4* values) const
+{
+    fill_blocks(values);
+}
+
+void RememberedPixels::fill(float* values) const
+{
+    fill_blocks(values);
+}
+
 void SparsePixels::fill(glm::vec3* values) const
+{
+    fill_blocks(values);
+}
+
+void SparsePixels::fill(glm::vec4* values) const
 {
     fill_blocks(values);
 }

@@ -21,10 +21,14 @@ class RememberedPixels {
  public:
     /// Interpolates their values between those of the others.
     void fill(glm::vec3* values) const;
+    void fill(glm::vec4* values) const;
+    void fill(float* values) const;
     std::size_t bytes() const { return point_.capacity() * sizeof(std::uint16_t) + blocks_.capacity() * sizeof(Block); }
 
  private:
     friend class SparsePixels;
+    template <class Value>
+    void fill_blocks(Value* values) const;
     struct Block {
         std::uint8_t x0, y0, x1, y1;   // its corners' pixels
     };
@@ -45,6 +49,7 @@ class SparsePixels {
     const std::vector<std::uint32_t>& computed() const { return computed_; }
     /// Interpolates the values of the others.
     void fill(glm::vec3* values) const;
+    void fill(glm::vec4* values) const;
     void fill(float* values) const;
     /// What fill() needs. The points are fewer than 2^15.
     RememberedPixels remembered() const;
