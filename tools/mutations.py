@@ -845,4 +845,8 @@ MUTATIONS = (
     row("rough-complete", "frame", "a preview says that it is complete",
         "src/frame/frame_engine.cpp", "return !environment_.rough() && (!plan_.cache", "return (!plan_.cache",
         "property:EnvironmentFrame.APreviewShowsRoughlyTheSameWithFewRays"),
+    row("near-fields-of-points", "irradiance_cache", "light from beyond the near field is that of lattice points around",
+        "src/irradiance_cache/near_field/near_blend.cpp", "all -= sum.known * before + more * (more > 0 ? gone : around);",
+        "all -= sum.known * before + 0.0f * more * (more > 0 ? gone : around);",
+        "property:WallFoot.*"),
 )
