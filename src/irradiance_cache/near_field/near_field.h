@@ -28,8 +28,8 @@ class NearField {
     NearHints* hints() const { return hints_.get(); }
     /// The width of a pixel, in scene units, from which the near field fades. From twice as wide on there is none.
     float fade_width() const { return fade_width_; }
-    /// Whether lattice points of this spacing lack the near field. Points farther apart than it reaches hold it: what
-    /// is left without it changes too much between them.
+    /// Whether near-field points take the place of the near fields that lattice points of this spacing hold. They do
+    /// not between points that are farther apart than the near field reaches.
     bool applies_at(float spacing) const { return spacing <= options_.near_spacing * light_.options().radius; }
     std::size_t bytes() const { return hints_ ? hints_->bytes() : 0; }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// The near field of lattice points that are too far apart for near-field points between them: it is a part of their own
-// light.
+// The near field of lattice points, which is a part of their own light. Where they are near each other, near-field
+// points between them take its place (near_blend.h).
 
 #include <span>
 #include <vector>

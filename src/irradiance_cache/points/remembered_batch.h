@@ -58,7 +58,7 @@ struct RememberedBatch {
     std::vector<IndirectPoint> rest_points;
 
     /// Adds what the surface points take from the lattice.
-    /// @param near_known  BatchWork::near_known
+    /// @param near_known  like near_share, added to: as in BatchWork
     void add_lattice(glm::vec3* irradiance, glm::vec4* near_known, float* near_share) const;
     void add_near(const glm::vec4* near_known, const float* near_share, NearBlend& scratch,
                   glm::vec3* irradiance) const;

@@ -141,7 +141,7 @@ void SparsePixels::compute_all(int x0, int y0)
 }
 
 template <class Value>
-void SparsePixels::fill_blocks(Value* values) const
+void SparsePixels::fill(Value* values) const
 {
     const auto point = [&](int x, int y) { return static_cast<std::size_t>(at_[place_of(x, y)]); };
     fill_between(
@@ -165,7 +165,7 @@ RememberedPixels SparsePixels::remembered() const
 }
 
 template <class Value>
-void RememberedPixels::fill_blocks(Value* values) const
+void RememberedPixels::fill(Value* values) const
 {
     const auto point = [&](int x, int y) {
         return static_cast<std::size_t>(point_[place_of(x, y)] & ~std::uint32_t{k_computed});
@@ -174,34 +174,11 @@ void RememberedPixels::fill_blocks(Value* values) const
         blocks_, point, [&](int x, int y, std::size_t) { return (point_[place_of(x, y)] & k_computed) != 0; }, values);
 }
 
-void RememberedPixels::fill(glm::vec3* values) const
-{
-    fill_blocks(values);
-}
-
-void RememberedPixels::fill(glm::vec4* values) const
-{
-    fill_blocks(values);
-}
-
-void RememberedPixels::fill(float* values) const
-{
-    fill_blocks(values);
-}
-
-void SparsePixels::fill(glm::vec3* values) const
-{
-    fill_blocks(values);
-}
-
-void SparsePixels::fill(glm::vec4* values) const
-{
-    fill_blocks(values);
-}
-
-void SparsePixels::fill(float* values) const
-{
-    fill_blocks(values);
-}
+template void SparsePixels::fill(float*) const;
+template void SparsePixels::fill(glm::vec3*) const;
+template void SparsePixels::fill(glm::vec4*) const;
+template void RememberedPixels::fill(float*) const;
+template void RememberedPixels::fill(glm::vec3*) const;
+template void RememberedPixels::fill(glm::vec4*) const;
 
 }   // namespace gnomon::irradiance_cache

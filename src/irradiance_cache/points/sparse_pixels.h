@@ -19,16 +19,13 @@ namespace gnomon::irradiance_cache {
 /// Pixels that are interpolated on the screen, in little memory.
 class RememberedPixels {
  public:
-    /// Interpolates their values between those of the others.
-    void fill(glm::vec3* values) const;
-    void fill(glm::vec4* values) const;
-    void fill(float* values) const;
+    /// Interpolates their values between those of the others: numbers, or vectors of three or four.
+    template <class Value>
+    void fill(Value* values) const;
     std::size_t bytes() const { return point_.capacity() * sizeof(std::uint16_t) + blocks_.capacity() * sizeof(Block); }
 
  private:
     friend class SparsePixels;
-    template <class Value>
-    void fill_blocks(Value* values) const;
     struct Block {
         std::uint8_t x0, y0, x1, y1;   // its corners' pixels
     };
@@ -47,10 +44,9 @@ class SparsePixels {
     void choose(std::span<const IndirectPoint> points, const std::vector<std::uint8_t>& exempt);
     /// The points to compute, in rising order.
     const std::vector<std::uint32_t>& computed() const { return computed_; }
-    /// Interpolates the values of the others.
-    void fill(glm::vec3* values) const;
-    void fill(glm::vec4* values) const;
-    void fill(float* values) const;
+    /// Interpolates the values of the others, likewise.
+    template <class Value>
+    void fill(Value* values) const;
     /// What fill() needs. The points are fewer than 2^15.
     RememberedPixels remembered() const;
 
@@ -59,8 +55,6 @@ class SparsePixels {
         std::int32_t x0, y0, x1, y1;   // its corners' pixels
     };
     void number_planes(std::span<const IndirectPoint> points, const std::vector<std::uint8_t>& exempt);
-    template <class Value>
-    void fill_blocks(Value* values) const;
     bool take(int x0, int y0, int step);
     void compute_all(int x0, int y0);
 
