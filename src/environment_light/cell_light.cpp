@@ -5,8 +5,8 @@
 #include <bit>
 
 #include "base/check.h"
+#include "base/folded_sphere.h"
 #include "environment_light/cell_sums.h"
-#include "environment_light/folded_sphere.h"
 
 namespace gnomon::environment_light {
 
@@ -34,28 +34,6 @@ float lobe_weight(float c, float a2)
 }
 
 }   // namespace
-
-DirectionTable::DirectionTable(int side)
-    : side_(side), values_(static_cast<std::size_t>(side + 1) * static_cast<std::size_t>(side + 1), glm::vec3(0))
-{
-}
-
-glm::vec3 DirectionTable::direction(std::size_t entry) const
-{
-    const auto row = static_cast<std::size_t>(side_ + 1);
-    const float scale = 2 / static_cast<float>(side_);
-    return unfold(glm::vec2(static_cast<float>(entry % row), static_cast<float>(entry / row)) * scale - 1.0f);
-}
-
-glm::vec3 DirectionTable::at(const glm::vec3& direction) const
-{
-    const glm::vec2 p = (fold(direction) + 1.0f) * (0.5f * static_cast<float>(side_));
-    const int x = std::clamp(static_cast<int>(p.x), 0, side_ - 1), y = std::clamp(static_cast<int>(p.y), 0, side_ - 1);
-    const float fx = p.x - static_cast<float>(x), fy = p.y - static_cast<float>(y);
-    const auto row = static_cast<std::size_t>(side_ + 1);
-    const glm::vec3* v = values_.data() + static_cast<std::size_t>(y) * row + static_cast<std::size_t>(x);
-    return glm::mix(glm::mix(v[0], v[1], fx), glm::mix(v[row], v[row + 1], fx), fy);
-}
 
 // Radiance over the sphere in a pyramid of means, and the blurred tables.
 struct CellLight::Lobes {

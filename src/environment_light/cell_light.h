@@ -24,6 +24,7 @@
 #include <span>
 #include <vector>
 
+#include "base/direction_table.h"
 #include "environment_light/cell_sums.h"
 #include "environment_light/direction_cells.h"
 
@@ -55,25 +56,6 @@ struct SeenByLobe {
     glm::vec3 light{0};   // of visible cells, as a mean over all of the lobe
     float share = 0;      // how much of the light of all of the lobe that is, by luminance
     glm::vec3 open{0};    // the mean where the lobe sees the environment: what its rays show that meet nothing
-};
-
-/// A function of the direction, as a table over the vertices of a square that folds to an octahedron
-/// [Cigolle et al. 2014]: continuous, and bilinear between them.
-class DirectionTable {
- public:
-    DirectionTable() = default;
-    explicit DirectionTable(int side);
-    int side() const { return side_; }
-    std::size_t size() const { return values_.size(); }
-    /// The unit direction of an entry.
-    glm::vec3 direction(std::size_t entry) const;
-    glm::vec3& operator[](std::size_t entry) { return values_[entry]; }
-    /// @param direction  unit
-    glm::vec3 at(const glm::vec3& direction) const;
-
- private:
-    int side_ = 0;   // squares along a side
-    std::vector<glm::vec3> values_;
 };
 
 class CellLight {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "environment_light/folded_sphere.h"
+#include "base/folded_sphere.h"
 
 namespace gnomon::environment_light {
 

@@ -31,11 +31,23 @@ std::array<glm::dvec3, PatchLinks::k_rays> fibonacci_lattice()
 }
 
 struct PatchRay {
-    glm::vec3 origin{0}, direction{0};
+    glm::vec3 origin{0}, direction{0}, normal{0};   // the normal of its place
 };
 
+// A patch's rays: k_rays, and those to spots that its places face.
+struct RaysOfPatch {
+    PatchRay ray[PatchLinks::k_all_rays];
+    bool exists[PatchLinks::k_all_rays] = {};
+};
+
+// The spot that a ray goes to. @pre there are spots
+const Surroundings::Spot& spot_of(const Surroundings& surroundings, std::size_t r)
+{
+    return surroundings.spots()[(r - PatchLinks::k_rays) % surroundings.spots().size()];
+}
+
 // Finds the rays of a patch, from places at equal steps of area.
-void find_rays(const SurfacePatches& patches, PatchId p, PatchRay (&out)[PatchLinks::k_rays])
+void find_rays(const SurfacePatches& patches, PatchId p, const Surroundings& surroundings, RaysOfPatch& out)
 {
     const std::span<const PatchPlace> places = patches.places(patches.patches()[p]);
     double all = 0;
@@ -56,12 +68,45 @@ void find_rays(const SurfacePatches& patches, PatchId p, PatchRay (&out)[PatchLi
         make_basis(place.normal, x, y);
         const glm::dvec3& l = lattice[r];
         const glm::vec3 d(cosine * l.x - sine * l.y, sine * l.x + cosine * l.y, l.z);
-        out[r] = {place.position, d.x * x + d.y * y + d.z * place.normal};
+        out.ray[r] = {place.position, d.x * x + d.y * y + d.z * place.normal, place.normal};
+        out.exists[r] = true;
+    }
+    for (std::size_t r = PatchLinks::k_rays; r < PatchLinks::k_all_rays; ++r) {
+        out.exists[r] = false;
+        if (surroundings.spots().empty()) continue;
+        const std::size_t step = PatchLinks::k_rays / PatchLinks::k_to_spots, of_spot = r - PatchLinks::k_rays;
+        const PatchPlace& place = places[at[(step * of_spot + step / 2 + p) % PatchLinks::k_rays]];
+        const glm::vec3& direction = spot_of(surroundings, r).direction;
+        out.ray[r] = {place.position, direction, place.normal};
+        out.exists[r] = glm::dot(direction, place.normal) > 0;
     }
 }
 
 // The part of the irradiance that one ray brings, of a radiance.
 constexpr auto k_ray_weight = static_cast<float>(k_pi / static_cast<double>(PatchLinks::k_rays));
+
+// The irradiance that a ray brings if it leaves the scene.
+// @param missed  PatchLinks::missed
+glm::vec3 from_beyond(const Surroundings& surroundings, const glm::vec3& missed, const PatchRay& ray, std::size_t r)
+{
+    if (r < PatchLinks::k_rays) return k_ray_weight * surroundings.radiance_beside_spots(ray.direction) + missed;
+    const std::size_t spots = surroundings.spots().size(), number = (r - PatchLinks::k_rays) % spots;
+    const std::size_t rays = (PatchLinks::k_to_spots - number + spots - 1) / spots;   // to this spot
+    return glm::dot(ray.direction, ray.normal) / static_cast<float>(rays) * surroundings.spots()[number].irradiance;
+}
+
+// PatchLinks::missed
+glm::vec3 missed_by(const RaysOfPatch& rays, const Surroundings& surroundings)
+{
+    if (!surroundings.any()) return glm::vec3(0);
+    glm::vec3 all(0), found(0);
+    for (std::size_t r = 0; r < PatchLinks::k_rays; ++r) {
+        all += surroundings.irradiance_beside_spots(rays.ray[r].normal);
+        found += static_cast<float>(k_pi) * surroundings.radiance_beside_spots(rays.ray[r].direction);
+    }
+    constexpr auto k_count = static_cast<float>(PatchLinks::k_rays);
+    return (all - found) / (k_count * k_count);
+}
 
 class Caster {
  public:
@@ -73,27 +118,34 @@ class Caster {
     void cast(PatchId first, PatchId last, const Surroundings& surroundings, PatchLinks& links)
     {
         rays_.clear();
+        of_patch_.resize(last - first);
         for (PatchId p = first; p < last; ++p) {
-            PatchRay found[PatchLinks::k_rays];
-            find_rays(patches_, p, found);
-            for (const PatchRay& ray : found) rays_.push(ray.origin, ray.direction);
+            RaysOfPatch& of = of_patch_[p - first];
+            find_rays(patches_, p, surroundings, of);
+            links.missed[p] = missed_by(of, surroundings);
+            for (std::size_t k = 0; k < PatchLinks::k_all_rays; ++k)
+                if (of.exists[k]) rays_.push(of.ray[k].origin, of.ray[k].direction);
         }
         rays_.trace(scene_, scene_rays_);
-        const std::size_t first_ray = PatchLinks::k_rays * first;
-        if (!links.passes.empty()) rays_.find_passing(scene_rays_, links.passes.data() + first_ray);
+        passes_.resize(links.passes.empty() ? 0 : rays_.size());
+        if (!passes_.empty()) rays_.find_passing(scene_rays_, passes_.data());
         std::size_t r = 0;
         for (PatchId p = first; p < last; ++p) {
+            const RaysOfPatch& of = of_patch_[p - first];
             std::size_t meet = 0, known = 0;   // surfaces, and patches
-            for (std::size_t k = 0; k < PatchLinks::k_rays; ++k, ++r) {
-                if (rays_.leaves(r)) {
-                    links.leaves[PatchLinks::k_rays * p + k] = 1;
+            for (std::size_t k = 0; k < PatchLinks::k_all_rays; ++k) {
+                if (!of.exists[k]) continue;
+                const std::size_t ray = r++, number = PatchLinks::k_all_rays * p + k;
+                if (!passes_.empty()) links.passes[number] = passes_[ray];
+                if (rays_.leaves(ray)) {
+                    links.leaves[number] = 1;
                     if (!surroundings.any()) continue;
-                    glm::vec3 light = k_ray_weight * surroundings.radiance(rays_.direction(r));
-                    if (!links.passes.empty()) light *= links.passes[first_ray + r];
-                    links.surroundings[p] += light;
+                    const glm::vec3 light = from_beyond(surroundings, links.missed[p], of.ray[k], k);
+                    links.surroundings[p] += passes_.empty() ? light : light * passes_[ray];
                     continue;
                 }
-                const PatchId met = rays_.patch(patches_, scene_rays_, r);
+                if (k >= PatchLinks::k_rays) continue;
+                const PatchId met = rays_.patch(patches_, scene_rays_, ray);
                 ++meet;
                 if (met == k_no_patch) continue;
                 ++known;
@@ -101,6 +153,7 @@ class Caster {
             }
             constexpr auto k_all = static_cast<float>(PatchLinks::k_rays);
             if (known > 0) links.weight[p] = static_cast<float>(meet) / (static_cast<float>(known) * k_all);
+            links.surroundings[p] = glm::max(links.surroundings[p], glm::vec3(0));
         }
     }
 
@@ -109,6 +162,8 @@ class Caster {
     const scene::Scene& scene_;
     const ray::RayScene& scene_rays_;
     PatchRays rays_;
+    std::vector<RaysOfPatch> of_patch_;
+    std::vector<glm::vec3> passes_;   // by ray, where anything thins light
 };
 
 }   // namespace
@@ -119,10 +174,11 @@ PatchLinks link_patches(const SurfacePatches& patches, const scene::SceneState& 
     PatchLinks links;
     const std::size_t count = patches.patches().size();
     links.target.assign(PatchLinks::k_rays * count, PatchLinks::k_none);
-    links.leaves.assign(PatchLinks::k_rays * count, 0);
+    links.leaves.assign(PatchLinks::k_all_rays * count, 0);
     links.weight.assign(count, 0.0f);
+    links.missed.assign(count, glm::vec3(0));
     links.surroundings.assign(count, glm::vec3(0));
-    if (rays.thins_light()) links.passes.assign(PatchLinks::k_rays * count, glm::vec3(1));
+    if (rays.thins_light()) links.passes.assign(PatchLinks::k_all_rays * count, glm::vec3(1));
     tasks.for_each((count + k_patches_at_once - 1) / k_patches_at_once, [&](std::size_t run, int) {
         interruption_point();
         const std::size_t first = run * k_patches_at_once, last = std::min(first + k_patches_at_once, count);
@@ -144,7 +200,9 @@ std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchL
     tasks.for_each((count + k_patches_at_once - 1) / k_patches_at_once, [&](std::size_t run, int) {
         interruption_point();
         PatchRays cast;
-        std::vector<std::size_t> of;   // by ray: its number among all
+        std::vector<std::size_t> of;     // by ray: its number among all
+        std::vector<glm::vec3> brings;   // by ray: from beyond
+        RaysOfPatch found;
         std::vector<const BoundingSphere*> near;
         const std::size_t last = std::min((run + 1) * k_patches_at_once, count);
         for (std::size_t p = run * k_patches_at_once; p < last; ++p) {
@@ -159,18 +217,22 @@ std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchL
                 near.push_back(&sphere);
             }
             if (near.empty()) continue;
-            PatchRay found[PatchLinks::k_rays];
-            find_rays(patches, static_cast<PatchId>(p), found);
-            for (std::size_t r = 0; r < PatchLinks::k_rays; ++r) {
+            find_rays(patches, static_cast<PatchId>(p), surroundings, found);
+            for (std::size_t r = 0; r < PatchLinks::k_all_rays; ++r) {
+                if (!found.exists[r]) continue;
+                const PatchRay& ray = found.ray[r];
                 const auto crosses = [&](const BoundingSphere* sphere) {
-                    const glm::vec3 to = sphere->centre - found[r].origin;
-                    const float along = glm::dot(to, found[r].direction), square = glm::dot(to, to),
+                    const glm::vec3 to = sphere->centre - ray.origin;
+                    const float along = glm::dot(to, ray.direction), square = glm::dot(to, to),
                                 radius2 = sphere->radius * sphere->radius;
                     return square <= radius2 || (along > 0 && square - along * along <= radius2);
                 };
                 if (std::ranges::none_of(near, crosses)) continue;
-                cast.push(found[r].origin, found[r].direction);
-                of.push_back(PatchLinks::k_rays * p + r);
+                const std::size_t number = PatchLinks::k_all_rays * p + r;
+                const bool beyond = surroundings.any() && links.leaves[number] != 0;
+                cast.push(ray.origin, ray.direction);
+                of.push_back(number);
+                brings.push_back(beyond ? from_beyond(surroundings, links.missed[p], ray, r) : glm::vec3(0));
             }
         }
         cast.trace(state.scene(), rays, ray::Against::everything);
@@ -179,15 +241,13 @@ std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchL
         for (std::size_t k = 0; k < of.size(); ++k) {
             const bool ends = !cast.leaves(k) && state.is_dynamic(cast.object(k));
             if (!ends && (passes.empty() || passes[k] == glm::vec3(1))) continue;
-            const std::uint16_t target = links.target[of[k]];
-            glm::vec3 light(0);
-            if (target != PatchLinks::k_none) {
-                if (!exitance.empty()) light = links.weight[of[k] / PatchLinks::k_rays] * exitance[target];
-            } else if (surroundings.any() && links.leaves[of[k]]) {
-                light = k_ray_weight * surroundings.radiance(cast.direction(k));
-            }
+            const std::size_t p = of[k] / PatchLinks::k_all_rays, r = of[k] % PatchLinks::k_all_rays;
+            glm::vec3 light = brings[k];
+            if (r < PatchLinks::k_rays && !exitance.empty())
+                if (const std::uint16_t target = links.target[PatchLinks::k_rays * p + r]; target != PatchLinks::k_none)
+                    light = links.weight[p] * exitance[target];
             if (!links.passes.empty()) light *= links.passes[of[k]];
-            blocked[of[k] / PatchLinks::k_rays] += ends ? light : light * (1.0f - passes[k]);
+            blocked[p] += ends ? light : light * (1.0f - passes[k]);
         }
     });
     return blocked;
@@ -202,7 +262,7 @@ void gather_links(const PatchLinks& links, std::span<const glm::vec3> exitance, 
         for (std::size_t p = run * k_patches_to_gather; p < last; ++p) {
             glm::vec3 sum(0);
             const std::uint16_t* target = links.target.data() + PatchLinks::k_rays * p;
-            const glm::vec3* passes = links.passes.empty() ? nullptr : links.passes.data() + PatchLinks::k_rays * p;
+            const glm::vec3* passes = links.passes.empty() ? nullptr : links.passes.data() + PatchLinks::k_all_rays * p;
             for (std::size_t k = 0; k < PatchLinks::k_rays; ++k)
                 if (target[k] != PatchLinks::k_none)
                     sum += passes ? passes[k] * exitance[target[k]] : exitance[target[k]];

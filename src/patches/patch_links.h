@@ -9,7 +9,11 @@
 // brings the radiance of the surroundings. Surfaces that do not block light are passed; those that thin it
 // (scene::thins_light()) take their part away. The directions of neighbours are turned against each other.
 //
-// Cost: 32 rays a patch, once for a static scene. Memory: 112 bytes a patch; 496 where anything thins light.
+// So few rays may miss a bright part of the surroundings, or meet it too often. So eight more rays go to their spots,
+// if there are any, and what the others miss of the rest where nothing hides it is divided among those that leave the
+// scene.
+//
+// Cost: 32 to 40 rays a patch, once for a static scene. Memory: 132 bytes a patch; 612 where anything thins light.
 
 #include "patches/surface_patches.h"
 #include "patches/surroundings.h"
@@ -17,17 +21,21 @@
 namespace gnomon::patches {
 
 struct PatchLinks {
-    static constexpr std::size_t k_rays = 32;   // of a patch
+    static constexpr std::size_t k_rays = 32;      // of a patch
+    static constexpr std::size_t k_to_spots = 8;   // likewise, after those
+    static constexpr std::size_t k_all_rays = k_rays + k_to_spots;
     static constexpr std::uint16_t k_none = 0xffff;
     std::vector<std::uint16_t> target;     // k_rays for each patch: the patch that a ray meets, or none
-    std::vector<std::uint8_t> leaves;      // by ray: whether it leaves the static scene
-    std::vector<glm::vec3> passes;         // by ray: the part of light that passes what thins it; empty: all of it
+    std::vector<std::uint8_t> leaves;      // k_all_rays for each patch: whether it leaves the static scene
+    std::vector<glm::vec3> passes;         // likewise: the part of light that passes what thins it; empty: all of it
     std::vector<float> weight;             // by patch: of each ray that meets a patch
+    std::vector<glm::vec3> missed;         // by patch: irradiance that each of k_rays brings if it leaves the scene,
+                                           // besides its own
     std::vector<glm::vec3> surroundings;   // by patch: irradiance from beyond the static scene
     std::size_t bytes() const
     {
         return target.size() * (sizeof(std::uint16_t) + sizeof(std::uint8_t)) + weight.size() * sizeof(float) +
-               (passes.size() + surroundings.size()) * sizeof(glm::vec3);
+               (passes.size() + surroundings.size() + missed.size()) * sizeof(glm::vec3);
     }
 };
 
@@ -41,7 +49,7 @@ struct BoundingSphere {
 };
 
 /// Irradiance that dynamic objects keep from patches: that of links that they cross, and of the surroundings. A part of
-/// the 32 rays of a patch is cast again where a sphere is so wide that it may matter.
+/// the rays of a patch is cast again where a sphere is so wide that it may matter.
 /// @param spheres   around the dynamic objects
 /// @param exitance  radiant exitance by patch; empty: of the surroundings alone
 std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchLinks& links,

@@ -16,6 +16,17 @@ bool scatters(const shading::SurfacePoint& s)
     return s.model != scene::ShadingModel::unlit && s.diffuse != glm::vec3(0);
 }
 
+// What is left of a point's light so that the surfaces it comes from fill no more than what hides the environment.
+// Interpolated between cache points, their form factor is more in places, and so is their light. Both shares are
+// estimates. What they differ by anywhere is left alone: else the least of both would be too little, on average.
+float kept_light(float form_factor, float hidden)
+{
+    constexpr float k_uncertain = 0.05f, k_certain = 0.15f;   // of `hidden`
+    if (hidden >= 1) return 1;
+    const float left = std::clamp((k_certain + 1 - form_factor / hidden) / (k_certain - k_uncertain), 0.0f, 1.0f);
+    return std::min((1 + k_uncertain * left) * hidden / form_factor, 1.0f);
+}
+
 }   // namespace
 
 class CachedIndirect::Work final : public Worker {
@@ -27,11 +38,9 @@ class CachedIndirect::Work final : public Worker {
         ask(batch, result);
         form_factors_.resize(asked_.size());
         light_.cache_.shade(*batch_, asked_, result.irradiance.data(), form_factors_.data());
-        // The surfaces that light a point fill no more than what hides the environment from it. Interpolated between
-        // cache points, their form factor is more in places, and so is their light.
         for (std::size_t k = 0; k < asked_.size(); ++k)
-            if (const float hidden = batch.points[result.point[k]].hidden; hidden < 1 && form_factors_[k] > hidden)
-                result.irradiance[k] *= hidden / form_factors_[k];
+            if (const float hidden = batch.points[result.point[k]].hidden; form_factors_[k] > hidden)
+                result.irradiance[k] *= kept_light(form_factors_[k], hidden);
     }
     std::unique_ptr<Remembered> gather_and_remember(const PointBatch& batch, IndirectResult& result) override
     {

@@ -9,6 +9,7 @@
 #include "patches/patch_bounces.h"
 #include "patches/patch_emission.h"
 #include "patches/patch_rays.h"
+#include "scene/environment.h"
 #include "scene_helpers.h"
 #include "world.h"
 
@@ -296,6 +297,41 @@ TEST(Patches, AnOpenFloorGetsAllOfTheSky)
     for (const glm::vec3& irradiance : links.surroundings)
         for (int c = 0; c < 3; ++c)
             EXPECT_NEAR(irradiance[c], static_cast<float>(k_pi) * world.scene->background.zenith[c], 1e-4f);
+}
+
+// Its rays meet a bright square too often, or too rarely; its light is known without them.
+TEST(Patches, AnOpenFloorGetsAllOfAnImage)
+{
+    constexpr int k_width = 128, k_height = 64;
+    ImageF image(k_width, k_height, 3);
+    glm::dvec3 truth(0);
+    for (int y = 0; y < k_height; ++y)
+        for (int x = 0; x < k_width; ++x) {
+            const bool bright = y / 6 == 2 && x / 6 == 3;
+            const glm::dvec3 d = scene::Environment::direction_at((x + 0.5) / k_width, (y + 0.5) / k_height);
+            const double solid = 2 * k_pi * k_pi / (k_width * k_height) * std::sin(k_pi * (y + 0.5) / k_height);
+            for (int c = 0; c < 3; ++c) {
+                image.pixel(x, y)[c] = bright ? 10.0f : 0.1f;
+                truth[c] += solid * std::max(d.y, 0.0) * static_cast<double>(image.pixel(x, y)[c]);
+            }
+        }
+    scene::Scene scene;
+    scene.materials.resize(1);
+    scene.meshes.push_back(rectangle({1, 1}));
+    test::add_object(scene, 0);
+    scene.background.kind = scene::Background::Kind::image;
+    scene.background.environment = std::make_shared<const scene::Environment>(image);
+    World world(done(std::move(scene)));
+    const SurfacePatches patches(world.state, world.rays, {}, world.tasks);
+    const PatchLinks links = patches::link_patches(patches, world.state, world.rays,
+                                                   patches::Surroundings(world.scene->background), world.tasks);
+    int above = 0;
+    for (std::size_t p = 0; p < links.surroundings.size(); ++p) {
+        if (patches.patches()[p].normal.y < 0.5f) continue;
+        ++above;
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(links.surroundings[p][c] / truth[c], 1, 0.01);
+    }
+    EXPECT_GT(above, 100);
 }
 
 // A cube of leaves, two wide, under an even sky of radiance 1.

@@ -30,6 +30,11 @@ TEST(PatchSurroundings, HaveTheRadianceOfTheImage)
         const glm::vec3 d =
             glm::normalize(glm::vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)) + 1e-3f);
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(surroundings.radiance(d)[c], 1 + d[c], 0.15f) << i << ' ' << c;
+        // The integral of (1 + d) times the cosine.
+        for (int c = 0; c < 3; ++c) {
+            const auto pi = static_cast<float>(k_pi), truth = pi + 2 * pi / 3 * d[c];
+            EXPECT_NEAR(surroundings.irradiance_beside_spots(d)[c], truth, 0.01f * pi) << i << ' ' << c;
+        }
     }
 }
 

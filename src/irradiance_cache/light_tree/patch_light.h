@@ -46,7 +46,7 @@ class PatchLight {
     /// Whether patches would have any light to give.
     static bool wanted(const scene::Scene& scene, const PatchLightOptions& options, const scene::SizedLights& lights)
     {
-        return options.bounces > 1 || !lights.empty() || patches::Surroundings(scene.background).any();
+        return options.bounces > 1 || !lights.empty() || patches::Surroundings::may_light(scene.background);
     }
     /// Whether light maps must say where they are lit.
     bool bounces() const { return options_.bounces > 1; }

@@ -5,7 +5,7 @@
 
 #include "base/math.h"
 
-namespace gnomon::environment_light {
+namespace gnomon {
 
 /// The point of the square, each coordinate from -1 to 1. @param d  of any length but 0
 inline glm::vec2 fold(const glm::vec3& d)
@@ -28,4 +28,4 @@ inline glm::vec3 unfold(const glm::vec2& p)
     return glm::normalize(d);
 }
 
-}   // namespace gnomon::environment_light
+}   // namespace gnomon
