@@ -28,7 +28,9 @@ constexpr double k_weight_tolerance = 1e-4;    // relative, of weights
 constexpr double k_sum_tolerance = 1e-5;       // relative to the sum of all lengths
 // If the device traces the rays: of all light, and of the points that differ by more than a fraction of their own.
 constexpr double k_grazing_light = 1e-4, k_grazing_points = 0.01, k_grazing_change = 1e-3;
-constexpr double k_light_tolerance = 2e-4;   // relative to a frame's mean irradiance
+// Relative to a frame's mean irradiance. Where rounding decides whether a node is divided, a cache point has another
+// cut, and the pixels around it differ by what the division changes.
+constexpr double k_light_tolerance = 2e-5, k_cut_tolerance = 1e-3;   // on average, at most
 
 std::vector<CutRequest> some_requests(const World& world, std::size_t count)
 {
@@ -285,23 +287,31 @@ struct Lighting {
     }
 };
 
-double most_different(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b)
+// By the brightest colour.
+struct Difference {
+    double mean, most;   // relative to the mean of the first
+};
+
+Difference difference(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b)
 {
     EXPECT_EQ(a.size(), b.size());
-    double sum = 0, most = 0;
+    double sum = 0, all = 0, most = 0;
     for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
         sum += static_cast<double>(a[i].x + a[i].y + a[i].z) / 3;
         const glm::vec3 off = glm::abs(a[i] - b[i]);
-        most = std::max(most, static_cast<double>(std::max({off.x, off.y, off.z})));
+        const auto largest = static_cast<double>(std::max({off.x, off.y, off.z}));
+        most = std::max(most, largest), all += largest;
     }
-    return most / (sum / static_cast<double>(a.size()));
+    return {all / sum, most / (sum / static_cast<double>(a.size()))};
 }
 
 TEST_F(GpuPointsTest, IrradianceIsCloseToCpu)
 {
     for (const char* name : {"cornell", "kinetic"}) {   // a ball and its shadow; a sky, leaves, many dynamic objects
         const std::vector<glm::vec3> by_cpu = Lighting{}(name, {20, 21}), by_device = Lighting{device_}(name, {20, 21});
-        EXPECT_LE(most_different(by_cpu, by_device), k_light_tolerance) << name;
+        const Difference off = difference(by_cpu, by_device);
+        EXPECT_LE(off.mean, k_light_tolerance) << name;
+        EXPECT_LE(off.most, k_cut_tolerance) << name;
     }
 }
 
