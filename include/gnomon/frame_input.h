@@ -7,9 +7,9 @@
 // that are no longer in the scene are forgotten.
 //
 // With RenderOptions::shutter, a value is that of the shutter's opening, and `closing` the one when it closes; none: it
-// does not change meanwhile. Between them, places and scales change evenly and rotations take the shorter way. The
-// layers that are not blurred are those of the shutter's middle. Without a shutter, `closing` has no effect; that of
-// lights and of materials has none in any case.
+// does not change meanwhile. Between them, places, scales, numbers and colours change evenly and rotations take the
+// shorter way. The layers that are not blurred are those of the shutter's middle. Without a shutter, `closing` has no
+// effect.
 
 #include <cstdint>
 #include <optional>
@@ -57,7 +57,7 @@ struct MorphWeights {
 struct LightValues {
     LightId light;
     Light values;
-    std::optional<Light> closing{};
+    std::optional<Light> closing{};   // of the same type, falloff and profile
 };
 
 /// The values of a material. Another surface class (opaque, masked, transparent), other sidedness, or another texture
@@ -65,7 +65,7 @@ struct LightValues {
 struct MaterialValues {
     MaterialId material;
     Material values;
-    std::optional<Material> closing{};
+    std::optional<Material> closing{};   // of the same class and sides; its textures do not count
 };
 
 /// What changed since the frame before. An empty input renders the first frame of the scene's clip with the values in

@@ -112,6 +112,16 @@ void read_closing(Input& in, py::handle from)
         value_in_force(frame.morph_weights, &MorphWeights::instance, instance, "Closing.morph_weights").closing =
             floats(value, "morph_weights");
     });
+    for_each_value(from.attr("lights"), "Closing.lights", [&](py::handle id, py::handle value) {
+        const auto light = id_of<LightId>(id, "a key of Closing.lights", "LightId");
+        value_in_force(frame.lights, &LightValues::light, light, "Closing.lights").closing =
+            read_as<Light>(value, "a light");
+    });
+    for_each_value(from.attr("materials"), "Closing.materials", [&](py::handle id, py::handle value) {
+        const auto material = id_of<MaterialId>(id, "a key of Closing.materials", "MaterialId");
+        value_in_force(frame.materials, &MaterialValues::material, material, "Closing.materials").closing =
+            read_as<Material>(value, "a material");
+    });
 }
 
 void read_looks(Input& in, const py::kwargs& from)
@@ -196,8 +206,8 @@ py::object render(const OpenRenderer& renderer, const Scene& scene, const py::kw
     read(from["turn"], "turn", frame.turn);
     read(from["indirect_ray_limit"], "indirect_ray_limit", frame.indirect_ray_limit);
     read_nodes(in, from);
-    read_closing(in, from["closing"]);
     read_looks(in, from);
+    read_closing(in, from["closing"]);
     read_outputs(in, from["out"]);
     if (!frame.outputs.empty()) {
         const RenderOptions& options = open->options();

@@ -44,6 +44,10 @@ class Closing:
     """{instance: weights}, for instances that get weights."""
     camera: Optional[Camera] = None
     """If the frame gets a camera."""
+    lights: Optional[Mapping[LightId, Light]] = None
+    """{light: values}, for lights that get values. Types stay what they are."""
+    materials: Optional[Mapping[MaterialId, Material]] = None
+    """{material: values}, for materials that get values. What is seen through, sides and textures stay what they are."""
 
 
 class Renderer(_gnomon.Renderer):

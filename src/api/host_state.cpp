@@ -24,6 +24,8 @@ struct Checked {
     std::vector<std::pair<scene::LightId, scene::Light>> lights;
     std::vector<std::pair<scene::MaterialId, scene::Material>> materials;
     std::map<scene::NodeId, frame::HostValues::Closing> closings;
+    std::map<scene::LightId, scene::Light> closing_lights;
+    std::map<scene::MaterialId, scene::Material> closing_materials;
     std::vector<std::uint32_t> released_nodes, released_lights, released_materials;
 };
 
@@ -49,7 +51,9 @@ class Checker {
  public:
     explicit Checker(const Scene::Impl& impl) : scene_(*impl.scene), stamps_(impl.stamps) {}
 
-    std::map<scene::NodeId, frame::HostValues::Closing> closings;   // of what was checked
+    std::map<scene::NodeId, frame::HostValues::Closing> closings;   // of what was checked; so the next two
+    std::map<scene::LightId, scene::Light> closing_lights;
+    std::map<scene::MaterialId, scene::Material> closing_materials;
 
     std::pair<scene::NodeId, glm::dmat4> transform(const NodeTransform& t)
     {
@@ -89,15 +93,32 @@ class Checker {
         if (!w.closing.empty()) closings[node].weights = w.closing;
         return {node, w.weights};
     }
-    std::pair<scene::LightId, scene::Light> light(const LightValues& l) const
+    std::pair<scene::LightId, scene::Light> light(const LightValues& l)
     {
-        if (l.closing) to_scene(*l.closing);
-        return {require(stamps_.lights, l.light, "the light of values"), to_scene(l.values)};
+        const scene::LightId id = require(stamps_.lights, l.light, "the light of values");
+        scene::Light values = to_scene(l.values);
+        if (l.closing) {
+            const scene::Light closing = to_scene(*l.closing);
+            if (closing.type != values.type || closing.falloff != values.falloff || closing.profile != values.profile)
+                throw UsageError(titled("light", scene_.lights[id].name, id) +
+                                 ": its type, falloff and profile cannot change while the shutter is open");
+            closing_lights.insert_or_assign(id, closing);
+        }
+        return {id, std::move(values)};
     }
-    std::pair<scene::MaterialId, scene::Material> material(const MaterialValues& m) const
+    std::pair<scene::MaterialId, scene::Material> material(const MaterialValues& m)
     {
-        if (m.closing) to_scene(*m.closing, stamps_);
-        return {require(stamps_.materials, m.material, "the material of values"), to_scene(m.values, stamps_)};
+        const scene::MaterialId id = require(stamps_.materials, m.material, "the material of values");
+        scene::Material values = to_scene(m.values, stamps_);
+        if (m.closing) {
+            const scene::Material closing = to_scene(*m.closing, stamps_);
+            if (closing.model != values.model || !scene::same_to_rays(closing, values))
+                throw UsageError(titled("material", scene_.materials[id].name, id) +
+                                 ": its model, what it lets through and its sides cannot change while the shutter is "
+                                 "open");
+            closing_materials.insert_or_assign(id, closing);
+        }
+        return {id, std::move(values)};
     }
     scene::NodeId instance(const InstanceId& id, std::string_view what) const
     {
@@ -132,6 +153,8 @@ Checked checked(const Scene::Impl& impl, const FrameInput& input)
     for (const MaterialId& id : input.released_materials)
         result.released_materials.push_back(require(stamps.materials, id, "a released material"));
     result.closings = std::move(check.closings);
+    result.closing_lights = std::move(check.closing_lights);
+    result.closing_materials = std::move(check.closing_materials);
     return result;
 }
 
@@ -178,8 +201,10 @@ void HostState::apply(const Scene& scene, const FrameInput& input)
         values.set_vertices(node, nullptr);
         values.set_weights(node, nullptr);
     }
-    for (const std::uint32_t light : in.released_lights) values.set_light(light, nullptr);
-    for (const std::uint32_t material : in.released_materials) values.set_material(material, nullptr);
+    for (const std::uint32_t light : in.released_lights)
+        values.set_light(light, nullptr), values.set_closing_light(light, nullptr);
+    for (const std::uint32_t material : in.released_materials)
+        values.set_material(material, nullptr), values.set_closing_material(material, nullptr);
     for (const auto& [node, transform] : in.transforms) values.set_transform(node, &transform);
     for (const auto& [node, visible] : in.visibility) values.set_visible(node, &visible);
     for (const auto& [node, shape] : in.vertices) values.set_vertices(node, shape);
@@ -187,13 +212,17 @@ void HostState::apply(const Scene& scene, const FrameInput& input)
     for (const auto& [light, light_values] : in.lights) values.set_light(light, &light_values);
     for (const auto& [material, material_values] : in.materials) values.set_material(material, &material_values);
     // What is handed over with another value, or without one of the shutter's closing, stands still again.
-    const auto closing_of = [&](scene::NodeId node) {
-        const auto at = in.closings.find(node);
-        values.set_closing(node, at == in.closings.end() ? nullptr : &at->second);
+    const auto value_in = [](const auto& list, std::uint32_t key) {
+        const auto at = list.find(key);
+        return at == list.end() ? nullptr : &at->second;
     };
+    const auto closing_of = [&](scene::NodeId node) { values.set_closing(node, value_in(in.closings, node)); };
     for (const auto& [node, transform] : in.transforms) closing_of(node);
     for (const auto& [node, shape] : in.vertices) closing_of(node);
     for (const auto& [node, weights] : in.weights) closing_of(node);
+    for (const auto& [light, of_light] : in.lights) values.set_closing_light(light, value_in(in.closing_lights, light));
+    for (const auto& [material, of_material] : in.materials)
+        values.set_closing_material(material, value_in(in.closing_materials, material));
     values.settle();
 }
 

@@ -99,7 +99,7 @@ FrameCounters FrameEngine::blur_raster(const scene::View& view, const Shutter& s
             pose(shutter, fraction);
             posed = shutter.view_at(*state_, fraction);
         }
-        const trace::BlurSample sample = trace::blur_sample({0, 0}, static_cast<std::uint32_t>(k), 1, false);
+        const trace::BlurSample sample = trace::blur_sample({0, 0}, static_cast<std::uint32_t>(k), {}, false);
         if (!lens.sharp()) posed = scene::through_lens(posed, lens, sample.lens);
         // With adaptive samples, the images are of different places of the pixel's filter, so that all edges are clean.
         if (options_.samples == k_adaptive_samples) {

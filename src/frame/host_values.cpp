@@ -122,11 +122,27 @@ void HostValues::set_material(scene::MaterialId material, const scene::Material*
 void HostValues::set_closing(scene::NodeId node, const Closing* closing)
 {
     if (!closing || (!closing->transform && closing->positions.empty() && closing->weights.empty())) {
-        closings_.erase(node);
+        closings_.nodes.erase(node);
         return;
     }
-    closings_.insert_or_assign(node, *closing);
+    closings_.nodes.insert_or_assign(node, *closing);
     if (closing->transform && must_promote_to_move(node)) promote(node, false);
+}
+
+void HostValues::set_closing_light(scene::LightId light, const scene::Light* values)
+{
+    if (values)
+        closings_.lights.insert_or_assign(light, *values);
+    else
+        closings_.lights.erase(light);
+}
+
+void HostValues::set_closing_material(scene::MaterialId material, const scene::Material* values)
+{
+    if (values)
+        closings_.materials.insert_or_assign(material, *values);
+    else
+        closings_.materials.erase(material);
 }
 
 void HostValues::settle()
@@ -173,7 +189,7 @@ void HostValues::copy_to(HostValues& other, const Mapping& mapping) const
         const scene::Mesh* mesh = mesh_at(n);
         if (mesh && mesh->morph_targets.size() == weights.size()) other.set_weights(n, &weights);
     });
-    each(closings_, mapping.node, [&](std::uint32_t n, const Closing& closing) {
+    each(closings_.nodes, mapping.node, [&](std::uint32_t n, const Closing& closing) {
         const std::shared_ptr<const scene::DeformedMesh>* shape = other.vertices_.now(n);
         const std::vector<float>* weights = other.weights_.now(n);
         Closing copy{closing.transform, {}, {}};
@@ -184,6 +200,10 @@ void HostValues::copy_to(HostValues& other, const Mapping& mapping) const
     each(lights_.all(), mapping.light, [&](std::uint32_t l, const scene::Light& light) { other.set_light(l, &light); });
     each(materials_.all(), mapping.material,
          [&](std::uint32_t m, const scene::Material& material) { other.set_material(m, &material); });
+    each(closings_.lights, mapping.light,
+         [&](std::uint32_t l, const scene::Light& light) { other.set_closing_light(l, &light); });
+    each(closings_.materials, mapping.material,
+         [&](std::uint32_t m, const scene::Material& material) { other.set_closing_material(m, &material); });
 }
 
 template <class Act>
@@ -212,16 +232,19 @@ template <class Act>
 void HostValues::each_kind(scene::SceneState& state, const Act& act) const
 {
     each_kind_of_geometry(state, act);
-    act(
-        [&](scene::LightId l, const scene::Light* values) {
-            values ? state.set_light(l, *values) : state.release_light(l, given_->lights[l]);
-        },
-        lights_);
-    act(
-        [&](scene::MaterialId m, const scene::Material* values) {
-            values ? state.set_material(m, *values) : state.release_material(m, given_->materials[m]);
-        },
-        materials_);
+    act([&](scene::LightId l, const scene::Light* values) { hand_over(state, l, values); }, lights_);
+    act([&](scene::MaterialId m, const scene::Material* values) { hand_over(state, m, values); }, materials_);
+}
+
+// Hands over the values of a light or a material, or lets the scene's own hold again.
+void HostValues::hand_over(scene::SceneState& state, scene::LightId light, const scene::Light* values) const
+{
+    values ? state.set_light(light, *values) : state.release_light(light, given_->lights[light]);
+}
+
+void HostValues::hand_over(scene::SceneState& state, scene::MaterialId material, const scene::Material* values) const
+{
+    values ? state.set_material(material, *values) : state.release_material(material, given_->materials[material]);
 }
 
 void HostValues::apply_all(scene::SceneState& state) const
@@ -239,7 +262,7 @@ template <class Value>
 void HostValues::pose_nodes(scene::SceneState& state, const Closings& closings, double fraction,
                             const Value& value_of) const
 {
-    for (const auto& [node, closing] : closings) {
+    for (const auto& [node, closing] : closings.nodes) {
         const glm::dmat4* local = value_of(transforms_, node);
         if (local && closing.transform) {
             const glm::dmat4 posed = scene::pose_between(*local, *closing.transform, fraction);
@@ -262,9 +285,28 @@ void HostValues::pose_nodes(scene::SceneState& state, const Closings& closings, 
     }
 }
 
+// The same for the values of lights and materials.
+void HostValues::pose_looks(scene::SceneState& state, const Closings& closings, double fraction) const
+{
+    const auto pose = [&](const auto& values, const auto& closing) {
+        for (const auto& [key, second] : closing) {
+            const auto* const first = values.now(key);
+            if (!first) {
+                hand_over(state, key, first);
+                continue;
+            }
+            const auto posed = scene::pose_between(*first, second, fraction);
+            hand_over(state, key, &posed);
+        }
+    };
+    pose(lights_, closings.lights);
+    pose(materials_, closings.materials);
+}
+
 void HostValues::apply_pose(scene::SceneState& state, double fraction) const
 {
     pose_nodes(state, closings_, fraction, [](const auto& values, scene::NodeId n) { return values.now(n); });
+    pose_looks(state, closings_, fraction);
 }
 
 void HostValues::replace_all(scene::SceneState& state) const
@@ -284,6 +326,7 @@ void HostValues::apply_changes(scene::SceneState& state) const
     });
     // What moved while the shutter of the frame before was open is left at some place of its way.
     pose_nodes(state, closings_before_, 0, [](const auto& values, scene::NodeId n) { return values.now(n); });
+    pose_looks(state, closings_before_, 0);
     apply_pose(state, shown_at_);
 }
 

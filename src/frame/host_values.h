@@ -93,6 +93,10 @@ class HostValues {
         std::vector<float> weights;         // likewise
     };
     void set_closing(scene::NodeId node, const Closing* closing);
+    /// The same for a light and a material; null: it does not change meanwhile. A material must be the same to rays
+    /// (scene::same_to_rays) as that of the opening.
+    void set_closing_light(scene::LightId light, const scene::Light* values);
+    void set_closing_material(scene::MaterialId material, const scene::Material* values);
     /// The fraction of the shutter's opening at which a frame's image without blur is: 0 where it does not open.
     void show_at(double fraction) { shown_at_ = fraction; }
     /// Declares a node as one that moves or deforms: for promotions of an earlier scene.
@@ -137,9 +141,16 @@ class HostValues {
     void each_kind_of_geometry(scene::SceneState& state, const Act& act) const;
     template <class Act>
     void each_kind(scene::SceneState& state, const Act& act) const;
-    using Closings = std::map<scene::NodeId, Closing>;
+    struct Closings {
+        std::map<scene::NodeId, Closing> nodes;
+        std::map<scene::LightId, scene::Light> lights;
+        std::map<scene::MaterialId, scene::Material> materials;
+    };
     template <class Value>
     void pose_nodes(scene::SceneState& state, const Closings& closings, double fraction, const Value& value_of) const;
+    void pose_looks(scene::SceneState& state, const Closings& closings, double fraction) const;
+    void hand_over(scene::SceneState& state, scene::LightId light, const scene::Light* values) const;
+    void hand_over(scene::SceneState& state, scene::MaterialId material, const scene::Material* values) const;
 
     std::shared_ptr<const scene::Scene> given_, scene_;
     std::vector<scene::ObjectId> object_at_;   // by node

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <vector>
 
 #include "scene/emission.h"
 
@@ -64,12 +65,17 @@ double way(const scene::View& before, const Points& from, const scene::View& now
     return longest;
 }
 
-// The number of poses for which blurred edges have no steps.
-int poses_for(double pixels)
+// Sets the number of poses for which blurred edges have no steps, and that of phases for which first samples meet what
+// moves in every part of its way: within the pixels around each that tell of its error.
+void set_times(double pixels, trace::BlurMotion& motion)
 {
-    int poses = trace::k_first_blur_samples;
-    while (poses < trace::k_most_blur_times && poses < pixels) poses *= 2;
-    return poses;
+    constexpr int k_seen_around = 4;   // pixels
+    motion.times = trace::k_first_blur_samples;
+    while (motion.times < trace::k_most_blur_times && motion.times < pixels) motion.times *= 2;
+    if (motion.times < trace::k_most_blur_times) return;
+    while (trace::k_first_blur_samples * motion.phases < trace::k_most_blur_times &&
+           trace::k_first_blur_samples * motion.phases * k_seen_around < pixels)
+        motion.phases *= 2;
 }
 
 }   // namespace
@@ -119,6 +125,7 @@ trace::BlurMotion find_motion(const scene::SceneState& state, const scene::View&
     std::map<scene::ObjectId, Box3> boxes;
     std::map<scene::ObjectId, std::array<glm::dvec3, 8>> corners;
     for (const scene::ObjectId o : posed.dynamic_objects()) corners[o] = corners_of(posed, o);
+    std::vector<scene::Light> lights = posed.scene().lights;
     scene::View view_before = shutter.view_at(posed, 0);
     double pixels = 0, of_camera = 0;
     for (int i = 1; i < k_probes; ++i) {
@@ -128,6 +135,13 @@ trace::BlurMotion find_motion(const scene::SceneState& state, const scene::View&
         const bool camera = !same_view(view_before, now);
         if (!changes.lights_moved.empty() || !changes.lights_relit.empty() || !changes.materials_changed.empty())
             motion.relit = true;
+        // Edges of shadows and cones may move by any number of pixels.
+        if (!changes.lights_moved.empty()) pixels = k_infinity;
+        for (const scene::LightId l : changes.lights_relit) {
+            const scene::Light& light_now = posed.scene().lights[l];
+            if (!scene::same_reach(lights[l], light_now)) pixels = k_infinity;
+            lights[l] = light_now;
+        }
         if (camera) motion.everything = true;
         if (camera) of_camera += way(view_before, places.points, now, places.points);
         double longest = 0;
@@ -151,7 +165,7 @@ trace::BlurMotion find_motion(const scene::SceneState& state, const scene::View&
     if (!motion.everything && boxes.empty()) return motion;
     pixels = std::max(pixels, k_camera_margin * of_camera);
     // Longer ways than the image are seen in part.
-    motion.times = poses_for(std::min(pixels, static_cast<double>(std::max(view.size.width, view.size.height))));
+    set_times(std::min(pixels, static_cast<double>(std::max(view.size.width, view.size.height))), motion);
     return motion;
 }
 

@@ -7,23 +7,24 @@
 
 #include "base/bits.h"
 #include "scene/material_layers.h"
+#include "scene/material_members.h"
 
 namespace gnomon::scene {
 
 namespace {
 
-std::array<float, 22> numbers_of(const Material& m)
-{
-    return {m.base_color.x, m.base_color.y, m.base_color.z, m.alpha,        m.alpha_cutoff, m.metallic,
-            m.roughness,    m.normal_scale, m.emissive.x,   m.emissive.y,   m.emissive.z,   m.occlusion_strength,
-            m.ambient.x,    m.ambient.y,    m.ambient.z,    m.transmission, m.specular.x,   m.specular.y,
-            m.specular.z,   m.shine,        m.ior,          m.transmittance};
-}
-
 std::array<TextureUse, 5> uses_of(const Material& m)
 {
     return {m.base_color_texture, m.metallic_roughness_texture, m.normal_texture, m.occlusion_texture,
             m.emissive_texture};
+}
+
+// Whether members of a table are the same, bit for bit.
+template <class T, class Members>
+bool same_members(const T& a, const T& b, const Members& members)
+{
+    return std::ranges::all_of(
+        members, [&](const auto member) { return same_bits(std::array{a.*member}, std::array{b.*member}); });
 }
 
 }   // namespace
@@ -37,10 +38,7 @@ glm::vec3 MaterialLayers::absorption() const
 
 bool same_values(const MaterialLayers& a, const MaterialLayers& b)
 {
-    const auto same = [&](const auto& members) {
-        return std::ranges::all_of(
-            members, [&](const auto member) { return same_bits(std::array{a.*member}, std::array{b.*member}); });
-    };
+    const auto same = [&](const auto& members) { return same_members(a, b, members); };
     return a.thin_walled == b.thin_walled && same(k_layer_numbers) && same(k_layer_colors) && same(k_layer_textures);
 }
 
@@ -62,11 +60,12 @@ std::vector<const TextureUse*> texture_uses(const Material& m)
 
 bool same_values(const Material& a, const Material& b)
 {
+    const auto same = [&](const auto& members) { return same_members(a, b, members); };
     if ((a.layers != nullptr) != (b.layers != nullptr) || a.outline != b.outline) return false;
     if (a.hidden_from_camera != b.hidden_from_camera) return false;
     if (a.layers && a.layers != b.layers && !same_values(*a.layers, *b.layers)) return false;
     return a.model == b.model && a.double_sided == b.double_sided && a.alpha_mode == b.alpha_mode &&
-           same_bits(numbers_of(a), numbers_of(b)) && same_bits(uses_of(a), uses_of(b));
+           same(k_material_numbers) && same(k_material_colors) && same_bits(uses_of(a), uses_of(b));
 }
 
 bool same_to_rays(const Material& a, const Material& b)

@@ -5,6 +5,9 @@
 #include <glm/gtc/quaternion.hpp>
 #include <optional>
 
+#include "scene/material_layers.h"
+#include "scene/material_members.h"
+
 namespace gnomon::scene {
 
 namespace {
@@ -42,6 +45,13 @@ T linear(const T& a, const T& b, double fraction)
     return a + (b - a) * fraction;
 }
 
+// Blends members of a table.
+template <class T, class Members>
+void blend(T& of, const T& second, const Members& members, float fraction)
+{
+    for (const auto member : members) of.*member += (second.*member - of.*member) * fraction;
+}
+
 }   // namespace
 
 glm::dmat4 pose_between(const glm::dmat4& first, const glm::dmat4& second, double fraction)
@@ -73,6 +83,31 @@ std::vector<float> pose_between(const std::vector<float>& first, const std::vect
     std::vector<float> result = first;
     const auto f = static_cast<float>(fraction);
     for (std::size_t i = 0; i < second.size(); ++i) result[i] = first[i] + (second[i] - first[i]) * f;
+    return result;
+}
+
+Light pose_between(const Light& first, const Light& second, double fraction)
+{
+    constexpr float Light::*k_numbers[] = {&Light::inner_angle, &Light::outer_angle, &Light::range};
+    constexpr glm::vec3 Light::*k_colors[] = {&Light::color};
+    Light result = first;
+    blend(result, second, k_numbers, static_cast<float>(fraction));
+    blend(result, second, k_colors, static_cast<float>(fraction));
+    return result;
+}
+
+Material pose_between(const Material& first, const Material& second, double fraction)
+{
+    const auto f = static_cast<float>(fraction);
+    Material result = first;
+    blend(result, second, k_material_numbers, f);
+    blend(result, second, k_material_colors, f);
+    if (first.layers && second.layers) {
+        MaterialLayers layers = *first.layers;
+        blend(layers, *second.layers, k_layer_numbers, f);
+        blend(layers, *second.layers, k_layer_colors, f);
+        result.layers = std::make_shared<const MaterialLayers>(layers);
+    }
     return result;
 }
 

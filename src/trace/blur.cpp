@@ -75,18 +75,34 @@ std::uint32_t third_dimension(std::uint32_t i)
     return result;
 }
 
-// The pose of a sample. The first samples are in the middle of their strata, for all pixels alike.
-int time_of(const glm::ivec2& pixel, std::uint32_t number, int times)
+constexpr int k_pattern = 4;   // pixels a side after which a pixel's phase is that of the first again
+
+// The place within a stratum, in its eighths, that a pixel's first samples have: the middle of one of `phases` equal
+// parts. Pixels beside each other have parts that are far apart, and strata in turn opposite ones, so that the mean
+// time of every pixel's samples is the shutter's middle.
+std::uint32_t phase_of(const glm::ivec2& pixel, std::uint32_t stratum, int phases)
 {
-    constexpr std::uint32_t k_bits = 6, k_middle = k_most_blur_times / k_first_blur_samples / 2;
-    std::uint32_t at = reversed_bits(number) >> (32 - k_bits) ^ k_middle;
+    constexpr std::uint32_t k_eighths = k_most_blur_times / k_first_blur_samples;
+    const auto x = static_cast<std::uint32_t>(pixel.x), y = static_cast<std::uint32_t>(pixel.y);
+    const std::uint32_t eighth = ((x ^ y) & 1) << 2 | (y & 1) << 1 | ((x ^ y) >> 1 & 1);
+    const auto parts = static_cast<std::uint32_t>(phases), part = eighth * parts / k_eighths;
+    const std::uint32_t width = k_eighths / parts;
+    return (stratum % 2 == 0 ? part : parts - 1 - part) * width + width / 2;
+}
+
+// The pose of a sample.
+int time_of(const glm::ivec2& pixel, std::uint32_t number, const BlurMotion& motion)
+{
+    constexpr std::uint32_t k_bits = 6, k_eighths = k_most_blur_times / k_first_blur_samples;
+    std::uint32_t at = reversed_bits(number) >> (32 - k_bits);
+    at ^= phase_of(pixel, at / k_eighths, motion.phases);
     if (number % 32 >= k_first_blur_samples) at ^= static_cast<std::uint32_t>(pixel.x + pixel.y) & 1;
-    return static_cast<int>(at) * times / k_most_blur_times;
+    return static_cast<int>(at) * motion.times / k_most_blur_times;
 }
 
 }   // namespace
 
-BlurSample blur_sample(const glm::ivec2& pixel, std::uint32_t number, int times, bool random)
+BlurSample blur_sample(const glm::ivec2& pixel, std::uint32_t number, const BlurMotion& motion, bool random)
 {
     const std::uint32_t seed = mixed(static_cast<std::uint32_t>(pixel.x) * 0x9e3779b9u +
                                      mixed(static_cast<std::uint32_t>(pixel.y) + 0x51ed270bu));
@@ -95,7 +111,7 @@ BlurSample blur_sample(const glm::ivec2& pixel, std::uint32_t number, int times,
         Random numbers(seed, number);
         sample.offset = {numbers.uniform(), numbers.uniform()};
         sample.lens = scene::disc_point({numbers.uniform(), numbers.uniform()});
-        sample.time = static_cast<int>(numbers.below(static_cast<std::uint32_t>(times)));
+        sample.time = static_cast<int>(numbers.below(static_cast<std::uint32_t>(motion.times)));
         return sample;
     }
     // The time is the first dimension of Sobol's sequence. So it is well spread together with the place in the pixel,
@@ -107,7 +123,7 @@ BlurSample blur_sample(const glm::ivec2& pixel, std::uint32_t number, int times,
     // Exchange blocks of points, so that each run of a power of two of points stays such a run, of other times.
     const std::uint32_t i = scrambled(number, mixed(seed)) & 0xffffu;
     sample.lens = scene::disc_point({place(reversed_bits(i), 3), place(second_dimension(i), 4)});
-    sample.time = time_of(pixel, number, times);
+    sample.time = time_of(pixel, number, motion);
     return sample;
 }
 
@@ -123,7 +139,7 @@ float blur_path_place(const glm::ivec2& pixel, std::uint32_t number, int depth)
 
 int Blur::time(const glm::ivec2& pixel, std::uint32_t number) const
 {
-    return options_.random ? sample(pixel, number).time : time_of(pixel, number, motion_.times);
+    return options_.random ? sample(pixel, number).time : time_of(pixel, number, motion_);
 }
 
 bool Blur::any_active(const Tile& tile) const
@@ -199,8 +215,8 @@ void Blur::use_times()
 {
     used_.assign(static_cast<std::size_t>(motion_.times), options_.random ? 1 : 0);
     for (std::uint32_t s = first_; s < end_; ++s)
-        for (int parity = 0; parity < 2; ++parity)
-            used_[static_cast<std::size_t>(time_of({parity, 0}, s, motion_.times))] = 1;
+        for (int p = 0; p < k_pattern * k_pattern; ++p)
+            used_[static_cast<std::size_t>(time_of({p % k_pattern, p / k_pattern}, s, motion_))] = 1;
 }
 
 // How far a pixel's mean of a number of samples may be from the true one, as a display shows it. Variance and mean are

@@ -13,8 +13,10 @@
 // 4. Each touched pixel becomes the mean of its samples, in linear light, so that what is blurred keeps its energy.
 //
 // Times are discrete: the scene is posed at up to 64 times of the shutter, in strata of equal length, one after the
-// other, and each pose traces the samples that need it. The first 8 samples have the same times in all pixels. The
-// later ones fill the other strata; pixels take turns in which half of a stratum they sample. Time and place
+// other, and each pose traces the samples that need it. The first 8 samples have the same times in all pixels, unless
+// something moves so fast that it would be seen at 8 places with gaps between: then their times differ among 2, 4 or 8
+// pixels that lie together. The later ones fill the other strata; pixels take turns in which half of a stratum they
+// sample. Time and place
 // in the pixel are the three dimensions of Sobol's sequence, and the place on the lens is a point of a (0, 2)-sequence;
 // all but the times are scrambled differently in each pixel [Burley 2020].
 //
@@ -48,10 +50,11 @@ inline constexpr int k_most_blur_times = 64, k_first_blur_samples = 8;
 
 /// What moves while the shutter is open.
 struct BlurMotion {
-    int times = 1;             // at which the scene is posed; 1, or a power of two from k_first_blur_samples on
-    bool everything = false;   // every pixel may change: the camera, a light or a material does
-    bool relit = false;        // light changes by more than what moving objects hide and reflect
-    std::vector<Box3> boxes;   // of the objects that move, each over the whole time
+    int times = 1;               // at which the scene is posed; 1, or a power of two from k_first_blur_samples on
+    int phases = 1;              // 1, 2, 4 or 8: pixels have times of their own in so many ways; k_most_blur_times only
+    bool everything = false;     // every pixel may change: the camera, a light or a material does
+    bool relit = false;          // light changes by more than what moving objects hide and reflect
+    std::vector<Box3> boxes{};   // of the objects that move, each over the whole time
     std::vector<scene::ObjectId> objects{};   // these
 };
 
@@ -74,7 +77,7 @@ struct BlurSample {
 };
 /// The sample of that number of a pixel. The first 8, 16, 32, 64 and 128 are each well spread over time, lens and
 /// pixel.
-BlurSample blur_sample(const glm::ivec2& pixel, std::uint32_t number, int times, bool random);
+BlurSample blur_sample(const glm::ivec2& pixel, std::uint32_t number, const BlurMotion& motion, bool random);
 
 /// A fraction, 0 to 1, that is well spread over a pixel's samples and independent of their times and places.
 float blur_path_place(const glm::ivec2& pixel, std::uint32_t number, int depth);
@@ -93,7 +96,7 @@ class Blur {
                 const scene::SizedLights* sized, Tasks& tasks);
     BlurSample sample(const glm::ivec2& pixel, std::uint32_t number) const
     {
-        return blur_sample(pixel, number, motion_.times, options_.random);
+        return blur_sample(pixel, number, motion_, options_.random);
     }
     int time(const glm::ivec2& pixel, std::uint32_t number) const;
     int channels() const { return sums_.channels; }

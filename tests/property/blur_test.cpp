@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
+#include <set>
 
 #include "api/scene_access.h"
 #include "base/random.h"
@@ -653,18 +654,40 @@ TEST(Blur, PosesTheSceneInTwoRounds)
     EXPECT_GT(counters.samples.taken,
               20 * counters.samples.pixels);   // so that many pixels go on to the largest number
     constexpr int k_probes = 9;                // times at which motion is looked for
-    EXPECT_EQ(views, k_probes + trace::k_first_blur_samples + trace::k_most_blur_times);
+    constexpr int k_phases = 2;                // because it moves by 32 to 64 pixels
+    EXPECT_EQ(views, k_probes + k_phases * trace::k_first_blur_samples + trace::k_most_blur_times);
 }
 
 TEST(BlurSample, EachRoundFillsTheStrataOfTimeEvenly)
 {
-    for (const glm::ivec2 pixel : {glm::ivec2(0, 0), glm::ivec2(17, 4), glm::ivec2(1023, 7)})
-        for (const std::uint32_t samples : {8u, 32u, 64u, 128u}) {
-            std::vector<std::uint32_t> in(samples < 64 ? samples : 64, 0);
-            for (std::uint32_t s = 0; s < samples; ++s)
-                ++in[static_cast<std::size_t>(trace::blur_sample(pixel, s, 64, false).time) * in.size() / 64];
-            for (const std::uint32_t count : in) EXPECT_EQ(count, samples / in.size());
-        }
+    for (const int phases : {1, 2, 4, 8})
+        for (const glm::ivec2 pixel : {glm::ivec2(0, 0), glm::ivec2(17, 4), glm::ivec2(1023, 7)})
+            for (const std::uint32_t samples : {8u, 32u, 64u, 128u}) {
+                const trace::BlurMotion motion{.times = 64, .phases = phases};
+                std::vector<std::uint32_t> in(samples < 64 ? samples : 64, 0);
+                for (std::uint32_t s = 0; s < samples; ++s)
+                    ++in[static_cast<std::size_t>(trace::blur_sample(pixel, s, motion, false).time) * in.size() / 64];
+                for (const std::uint32_t count : in) EXPECT_EQ(count, samples / in.size());
+            }
+}
+
+TEST(BlurSample, FirstTimesOfPixelsThatLieTogetherFillTheShutter)
+{
+    for (const int phases : {1, 2, 4, 8}) {
+        const trace::BlurMotion motion{.times = 64, .phases = phases};
+        std::set<int> times;
+        for (int y = 6; y < 10; ++y)
+            for (int x = 13; x < 17; ++x) {
+                int sum = 0;
+                for (std::uint32_t s = 0; s < trace::k_first_blur_samples; ++s) {
+                    const int time = trace::blur_sample({x, y}, s, motion, false).time;
+                    times.insert(time), sum += time;
+                }
+                // The mean is the middle, so that what changes evenly has no pattern.
+                EXPECT_NEAR(sum / 8.0, 31.5, 0.51) << phases;
+            }
+        EXPECT_EQ(times.size(), 8u * static_cast<std::size_t>(phases));
+    }
 }
 
 TEST(BlurSample, PathsOfARoundAreFollowedByTheirShare)
@@ -682,10 +705,11 @@ TEST(BlurSample, PathsOfARoundAreFollowedByTheirShare)
 TEST(BlurSample, PlacesOfARoundFillThePixelAndTheLensEvenly)
 {
     // One of 16 points in each of 16 columns and rows; of the lens, equal numbers in the four quadrants.
+    const trace::BlurMotion motion{.times = 64};
     for (const glm::ivec2 pixel : {glm::ivec2(0, 0), glm::ivec2(17, 4), glm::ivec2(1023, 7)}) {
         int columns[16] = {}, rows[16] = {}, quadrants[4] = {};
         for (std::uint32_t s = 0; s < 16; ++s) {
-            const trace::BlurSample sample = trace::blur_sample(pixel, s, 64, false);
+            const trace::BlurSample sample = trace::blur_sample(pixel, s, motion, false);
             ++columns[static_cast<int>(sample.offset.x * 16)], ++rows[static_cast<int>(sample.offset.y * 16)];
             ++quadrants[(sample.lens.x > 0) + 2 * (sample.lens.y > 0)];
             EXPECT_LE(glm::length(sample.lens), 1.0001f);

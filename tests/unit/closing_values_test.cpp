@@ -21,16 +21,31 @@ constexpr Size k_size{48, 16};
 struct Stage {
     test::Shape shape = square(0.5f);
     InstanceId instance;
+    MaterialId glow, paint;
+    LightId spot;
     Scene scene;
 
     Stage() : scene(make()) {}
     Scene make()
     {
         SceneBuilder builder;
-        const MaterialId glow =
-            builder.material({.model = ShadingModel::unlit, .base_color = {1, 1, 1}, .double_sided = true});
+        glow = builder.material(glow_of({1, 1, 1}));
         instance = builder.instance(builder.mesh(shape.mesh()), glow, place(0), {.mobility = Mobility::may_deform});
+        // A wall behind it, under a spot beside them.
+        paint = builder.material(paint_of(0.5f));
+        builder.instance(builder.mesh(square(4).mesh()), paint, Transform::translation(0, 0, -6));
+        spot = builder.light(spot_of(200, 0.2f), Transform::translation(3, 0, 0));
         return builder.finish();
+    }
+    static Material glow_of(const Vec3& color)
+    {
+        return {.model = ShadingModel::unlit, .base_color = color, .double_sided = true};
+    }
+    static Material paint_of(float grey) { return {.base_color = {grey, grey, grey}, .roughness = 1}; }
+    static Light spot_of(float candela, float outer)
+    {
+        return {
+            .type = LightType::spot, .color = {candela, candela, candela}, .inner_angle = 0.05f, .outer_angle = outer};
     }
     static Transform place(double x) { return Transform::translation(x, 0, -2); }
 };
@@ -68,6 +83,14 @@ std::vector<float> mean_of_steps(const Stage& stage, const InputAt& input_at)
     return sum;
 }
 
+// An image of the shutter's opening, with the pixel filter of mean_of_steps().
+std::vector<float> blurred(const Stage& stage, const FrameInput& input)
+{
+    RenderOptions made = options(180);
+    made.samples = 64;
+    return Renderer(made).render(stage.scene, input).layer("")->copy();
+}
+
 double mean_difference(const std::vector<float>& a, const std::vector<float>& b)
 {
     double sum = 0;
@@ -99,6 +122,28 @@ TEST(ClosingValues, ObjectsAreBlurredFromTheirPlaceAtTheOpeningToThatAtTheClosin
     EXPECT_NE(frame.layer("id")->id(k_size.width / 2, k_size.height / 2), 0u);
 }
 
+// A square four pixels wide that moves by 160. Seen at eight times alone, it was eight squares.
+TEST(ClosingValues, AFastObjectLeavesAnEvenTrace)
+{
+    const Stage stage;
+    RenderOptions made = options(180);
+    made.size = {192, 32};
+    FrameInput input = from_camera();
+    const auto narrow = [](double x) { return Stage::place(x) * Transform::scaling(0.5, 1, 1); };
+    input.transforms = {{stage.instance, narrow(-10), narrow(10)}};
+    input.lights = {{stage.spot, Stage::spot_of(0, 0.2f)}};
+    const std::vector<float> image = Renderer(made).render(stage.scene, input).layer("")->copy();
+    double sum = 0;
+    int count = 0;
+    for (int x = 24; x < 168; ++x)
+        for (int y = 14; y < 18; ++y) {
+            const float value = image[static_cast<std::size_t>(3 * (y * made.size.width + x))];
+            EXPECT_LT(value, 0.07f) << x << ' ' << y;
+            sum += static_cast<double>(value), ++count;
+        }
+    EXPECT_NEAR(sum / count, 4.0 / 160, 0.001);
+}
+
 TEST(ClosingValues, VerticesAreBlurred)
 {
     const Stage stage;
@@ -119,6 +164,59 @@ TEST(ClosingValues, VerticesAreBlurred)
         return step;
     });
     EXPECT_LT(mean_difference(frame.layer("")->copy(), truth), 0.02);
+}
+
+TEST(ClosingValues, LightsChangeWhileTheShutterIsOpen)
+{
+    const Stage stage;
+    FrameInput input = from_camera();
+    input.lights = {{stage.spot, Stage::spot_of(50, 0.1f), Stage::spot_of(400, 0.5f)}};
+    const std::vector<float> image = blurred(stage, input);
+    const std::vector<float> truth = mean_of_steps(stage, [&](double at) {
+        const auto f = static_cast<float>(at);
+        FrameInput step = from_camera();
+        step.lights = {{stage.spot, Stage::spot_of(50 + 350 * f, 0.1f + 0.4f * f)}};
+        return step;
+    });
+    input.lights[0].closing.reset();
+    const std::vector<float> still = blurred(stage, input);
+    EXPECT_GT(mean_difference(image, still), 0.005);
+    EXPECT_LT(mean_difference(image, truth), 0.1 * mean_difference(image, still));
+}
+
+TEST(ClosingValues, MaterialsChangeWhileTheShutterIsOpen)
+{
+    const Stage stage;
+    FrameInput input = from_camera();
+    input.materials = {{stage.glow, Stage::glow_of({1, 0, 0}), Stage::glow_of({0, 0.5f, 1})},
+                       {stage.paint, Stage::paint_of(0), Stage::paint_of(0.9f)}};
+    const std::vector<float> image = blurred(stage, input);
+    const std::vector<float> truth = mean_of_steps(stage, [&](double at) {
+        const auto f = static_cast<float>(at);
+        FrameInput step = from_camera();
+        step.materials = {{stage.glow, Stage::glow_of({1 - f, 0.5f * f, f})}, {stage.paint, Stage::paint_of(0.9f * f)}};
+        return step;
+    });
+    input.materials[0].closing.reset(), input.materials[1].closing.reset();
+    const std::vector<float> still = blurred(stage, input);
+    EXPECT_GT(mean_difference(image, still), 0.01);
+    EXPECT_LT(mean_difference(image, truth), 0.05 * mean_difference(image, still));
+}
+
+TEST(ClosingValues, OfAnotherKindAreRefused)
+{
+    const Stage stage;
+    Renderer renderer(options(180));
+    FrameInput input = from_camera();
+    Light sun = Stage::spot_of(5, 0.1f);
+    sun.type = LightType::directional;
+    input.lights = {{stage.spot, Stage::spot_of(5, 0.1f), sun}};
+    EXPECT_NE(test::usage_error([&] { renderer.render(stage.scene, input); }), "");
+    input.lights.clear();
+    Material glass = Stage::paint_of(1);
+    glass.transmission = 1;
+    input.materials = {{stage.paint, Stage::paint_of(1), glass}};
+    EXPECT_NE(test::usage_error([&] { renderer.render(stage.scene, input); }), "");
 }
 
 TEST(ClosingValues, CamerasAreBlurred)
@@ -158,7 +256,12 @@ TEST(ClosingValues, FramesAreThoseOfANewRendererWhateverWasBlurredBefore)
         // It stops where the shutter opened: after frames 2 and 4, only the closing value is gone.
         const double x = std::array{0.0, 0.2, 0.4, 0.4, 0.8, 0.8}[static_cast<std::size_t>(frame)];
         input.transforms = {{stage.instance, Stage::place(x)}};
-        if (frame == 1 || frame == 2 || frame == 4) input.transforms[0].closing = Stage::place(x + 0.5);
+        const bool changes = frame == 1 || frame == 2 || frame == 4;
+        input.lights = {{stage.spot, Stage::spot_of(50, 0.4f)}};
+        input.materials = {{stage.glow, Stage::glow_of({1, 0, 0})}};
+        if (changes) input.transforms[0].closing = Stage::place(x + 0.5);
+        if (changes) input.lights[0].closing = Stage::spot_of(300, 0.2f);
+        if (changes) input.materials[0].closing = Stage::glow_of({0, 0, 1});
         return input;
     };
     for (int frame = 0; frame < 6; ++frame) {
