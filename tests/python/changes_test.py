@@ -60,6 +60,24 @@ class Changes(unittest.TestCase):
             np.testing.assert_array_equal(
                 renderer.render(room.scene, released=[room.light, room.paint, room.ball]).color, first)
 
+    def test_values_change_while_the_shutter_is_open(self):
+        with gnomon.SceneBuilder() as builder:
+            glow = gnomon.Material(model="unlit", base_color=(1, 0, 0))
+            paint = builder.material(glow)
+            builder.instance(builder.mesh(SQUARE, TWO_TRIANGLES), paint)
+            light = builder.light(gnomon.Light())
+            builder.camera(gnomon.Camera(transform=gnomon.translation(0, 0, 1)))
+            scene = builder.finish()
+        with gnomon.Renderer(size=(16, 16), exposure=0, shutter=180, samples=64, indirect="off") as renderer:
+            frame = renderer.render(scene, materials={paint: glow}, closing=gnomon.Closing(
+                materials={paint: gnomon.Material(model="unlit", base_color=(0, 0, 1))}))
+            np.testing.assert_allclose(frame.color[8, 8], (0.5, 0, 0.5), atol=0.01)
+            spot = gnomon.Closing(lights={light: gnomon.Light(type="spot")})
+            with self.assertRaisesRegex(gnomon.UsageError, "gets none of the shutter's opening"):
+                renderer.render(scene, closing=spot)
+            with self.assertRaisesRegex(gnomon.UsageError, "cannot change while the shutter is open"):
+                renderer.render(scene, lights={light: gnomon.Light()}, closing=spot)
+
     def test_deformed_vertices_are_shown_and_read_from_any_array(self):
         room = make_room()
         with gnomon.Renderer(size=(33, 25), exposure=0, threads=1, layers=True) as renderer:
