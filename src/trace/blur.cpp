@@ -230,7 +230,13 @@ float Blur::error_at(int x, int y, std::uint32_t samples) const
         if (of.pixels == 0) return 0.0f;
         const float share = 1.0f / static_cast<float>(of.pixels);
         const glm::vec3 mean = share * of.mean, error = falls * glm::sqrt(share * of.variance);
-        return shading::difference(displayed(exposure_ * (mean + error)), displayed(exposure_ * mean));
+        const glm::vec3 at_mean = displayed(exposure_ * mean), above = displayed(exposure_ * (mean + error));
+        const float off = shading::difference(above, at_mean);
+        // Above white nothing gets brighter, but a pixel that meets none of the light is black.
+        constexpr float k_missed = 2;   // of the error
+        const bool white = std::max({above.x, above.y, above.z}) > 1;
+        return white ? std::max(off, shading::difference(displayed(exposure_ * (mean - k_missed * error)), at_mean))
+                     : off;
     };
     Spread around;
     for (int v = y - k_reach; v <= y + k_reach; ++v)

@@ -122,26 +122,39 @@ TEST(ClosingValues, ObjectsAreBlurredFromTheirPlaceAtTheOpeningToThatAtTheClosin
     EXPECT_NE(frame.layer("id")->id(k_size.width / 2, k_size.height / 2), 0u);
 }
 
-// A square four pixels wide that moves by 160. Seen at eight times alone, it was eight squares.
-TEST(ClosingValues, AFastObjectLeavesAnEvenTrace)
+// The middle of the trace of a square four pixels wide that moves by 160.
+std::vector<float> trace_of_a_fast_square(double exposure)
 {
     const Stage stage;
     RenderOptions made = options(180);
-    made.size = {192, 32};
+    made.size = {192, 32}, made.exposure = exposure;
     FrameInput input = from_camera();
     const auto narrow = [](double x) { return Stage::place(x) * Transform::scaling(0.5, 1, 1); };
     input.transforms = {{stage.instance, narrow(-10), narrow(10)}};
     input.lights = {{stage.spot, Stage::spot_of(0, 0.2f)}};
     const std::vector<float> image = Renderer(made).render(stage.scene, input).layer("")->copy();
-    double sum = 0;
-    int count = 0;
+    std::vector<float> values;
     for (int x = 24; x < 168; ++x)
-        for (int y = 14; y < 18; ++y) {
-            const float value = image[static_cast<std::size_t>(3 * (y * made.size.width + x))];
-            EXPECT_LT(value, 0.07f) << x << ' ' << y;
-            sum += static_cast<double>(value), ++count;
-        }
-    EXPECT_NEAR(sum / count, 4.0 / 160, 0.001);
+        for (int y = 14; y < 18; ++y) values.push_back(image[static_cast<std::size_t>(3 * (y * made.size.width + x))]);
+    return values;
+}
+
+// Seen at eight times alone, it was eight squares.
+TEST(ClosingValues, AFastObjectLeavesAnEvenTrace)
+{
+    double sum = 0;
+    const std::vector<float> values = trace_of_a_fast_square(0);
+    for (const float value : values) {
+        EXPECT_LT(value, 0.07f);
+        sum += static_cast<double>(value);
+    }
+    EXPECT_NEAR(sum / static_cast<double>(values.size()), 4.0 / 160, 0.001);
+}
+
+// Where most pixels are far above white, those that met it by chance were as bright as those that did not were black.
+TEST(ClosingValues, AFastBrightObjectLeavesNoBlackDots)
+{
+    for (const float value : trace_of_a_fast_square(9)) EXPECT_NEAR(value, 4.0f / 160, 0.6f * 4 / 160);
 }
 
 TEST(ClosingValues, VerticesAreBlurred)
