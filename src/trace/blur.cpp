@@ -76,13 +76,13 @@ std::uint32_t third_dimension(std::uint32_t i)
 }
 
 constexpr int k_pattern = 4;   // pixels a side after which a pixel's phase is that of the first again
+constexpr std::uint32_t k_eighths = k_most_blur_times / k_first_blur_samples;   // of a stratum of the first samples
 
 // The place within a stratum, in its eighths, that a pixel's first samples have: the middle of one of `phases` equal
 // parts. Pixels beside each other have parts that are far apart, and strata in turn opposite ones, so that the mean
 // time of every pixel's samples is the shutter's middle.
 std::uint32_t phase_of(const glm::ivec2& pixel, std::uint32_t stratum, int phases)
 {
-    constexpr std::uint32_t k_eighths = k_most_blur_times / k_first_blur_samples;
     const auto x = static_cast<std::uint32_t>(pixel.x), y = static_cast<std::uint32_t>(pixel.y);
     const std::uint32_t eighth = ((x ^ y) & 1) << 2 | (y & 1) << 1 | ((x ^ y) >> 1 & 1);
     const auto parts = static_cast<std::uint32_t>(phases), part = eighth * parts / k_eighths;
@@ -93,7 +93,7 @@ std::uint32_t phase_of(const glm::ivec2& pixel, std::uint32_t stratum, int phase
 // The pose of a sample.
 int time_of(const glm::ivec2& pixel, std::uint32_t number, const BlurMotion& motion)
 {
-    constexpr std::uint32_t k_bits = 6, k_eighths = k_most_blur_times / k_first_blur_samples;
+    constexpr std::uint32_t k_bits = 6;
     std::uint32_t at = reversed_bits(number) >> (32 - k_bits);
     at ^= phase_of(pixel, at / k_eighths, motion.phases);
     if (number % 32 >= k_first_blur_samples) at ^= static_cast<std::uint32_t>(pixel.x + pixel.y) & 1;
