@@ -21,13 +21,6 @@ double milliseconds_since(Clock::time_point start)
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-std::filesystem::file_time_type time_of_file(const std::string& what)
-{
-    std::error_code error;
-    const auto time = std::filesystem::last_write_time(what, error);
-    return error ? std::filesystem::file_time_type{} : time;
-}
-
 bool contains(const std::vector<NodeId>& nodes, const NodeId& node)
 {
     return std::find(nodes.begin(), nodes.end(), node) != nodes.end();
@@ -130,11 +123,16 @@ glm::vec3 pivot_of(const Picked& picked, const ViewImage& image)
     return glm::vec3(glm::inverse(world) * glm::dvec4(glm::dvec3(picked.position), 1));
 }
 
-// What the window says while bounced light is prepared.
-std::string preparing_text(const ProgressStep& step)
+// What the window says while bounced light is prepared, or a last image is blurred.
+std::string preparing_text(const std::string& what, const ProgressStep& step)
 {
-    const std::string what = "bounced light: " + std::string(step.stage);
     return step.done > 0 ? what + " " + std::to_string(std::lround(100 * step.done)) + " %" : what;
+}
+
+std::string blur_name(const RenderOptions& options)
+{
+    const bool moves = options.shutter > 0, lens = options.f_number > 0 || options.aperture > 0;
+    return moves && lens ? "motion blur and depth of field" : moves ? "motion blur" : "depth of field";
 }
 
 ViewTimes times_of(const Frame& frame, double encoding)
@@ -200,19 +198,6 @@ ViewSession::ViewSession(int threads, std::uint64_t rays_a_frame, std::function<
 ViewSession::~ViewSession()
 {
     leaving_ = true;   // interrupts the frame in progress
-}
-
-void ViewSession::load(const SceneRecipe& recipe)
-{
-    const std::lock_guard lock(mutex_);
-    wanted_ = recipe;
-    state_.loading = true;
-    state_.file = recipe.what;
-    state_.stage = "loading";
-    state_.done = 0;
-    state_.error.clear();
-    state_.trouble = nullptr;
-    to_load_.notify_one();
 }
 
 LoadState ViewSession::load_state() const
@@ -282,71 +267,6 @@ void ViewSession::fail(std::uint64_t request, const std::string& message)
     tell();
 }
 
-void ViewSession::load_loop(const std::stop_token& stop)
-{
-    for (;;) {
-        SceneRecipe recipe;
-        {
-            std::unique_lock lock(mutex_);
-            if (!to_load_.wait(lock, stop, [&] { return wanted_.has_value(); })) return;
-            recipe = *wanted_;
-            wanted_.reset();
-        }
-        const auto overtaken = [&] {
-            const std::lock_guard lock(mutex_);
-            return stop.stop_requested() || wanted_;
-        };
-        const Progress progress = [&](const ProgressStep& step) {
-            const std::lock_guard lock(mutex_);
-            state_.stage = step.stage;
-            state_.done = step.done;
-            tell();
-            return !stop.stop_requested() && !wanted_;
-        };
-        std::string error;
-        std::exception_ptr trouble;
-        try {
-            const auto time = time_of_file(recipe.what);
-            const LoadOptions options{.progress = progress,
-                                      .threads = threads_,
-                                      .strict = recipe.strict,
-                                      .animation = recipe.animation,
-                                      .ground = recipe.ground,
-                                      .variant = recipe.variant,
-                                      .memory = recipe.memory};
-            const bool same = loaded_options_.strict == options.strict && loaded_options_.memory == options.memory &&
-                              loaded_options_.animation == options.animation &&
-                              loaded_options_.ground == options.ground && loaded_options_.variant == options.variant;
-            if (!loaded_ || loaded_file_ != recipe.what || loaded_time_ != time || !same) {
-                loaded_ = gnomon::load(recipe.what, options);
-                loaded_file_ = recipe.what;
-                loaded_options_ = options;
-                loaded_options_.progress = {};
-                loaded_time_ = time;
-            }
-            Scene made = *loaded_;
-            if (recipe.fps > 0) made = made.at_rate(recipe.fps);
-            if (!recipe.light_specs.empty()) made = made.with_light_specs(recipe.light_specs);
-            if (recipe.lights) made = made.with_lights(*recipe.lights);
-            if (!recipe.environment.empty()) made = made.with_environment(recipe.environment);
-            const std::lock_guard lock(mutex_);
-            scene_ = std::make_shared<const Scene>(std::move(made));
-            ++state_.loads;
-        } catch (const InterruptedError&) {
-            if (overtaken()) continue;
-        } catch (const std::exception& e) {
-            error = e.what();
-            trouble = std::current_exception();
-        }
-        const std::lock_guard lock(mutex_);
-        if (wanted_) continue;
-        state_.loading = false;
-        state_.error = error;
-        state_.trouble = trouble;
-        tell();
-    }
-}
-
 void ViewSession::render_loop(const std::stop_token& stop)
 {
     for (;;) {
@@ -375,6 +295,7 @@ void ViewSession::render_loop(const std::stop_token& stop)
             if (publish(render(scene, request, refines), request, refines)) continue;
             // Leave the processor to the window while it shows an image in motion and asks for the next one.
             if (request.rays && asked_soon(stop)) continue;
+            if (finishes(request)) continue;
             // Prove results for later frames until the next request comes.
             renderer_.improve([&] {
                 const std::lock_guard lock(mutex_);
@@ -418,7 +339,22 @@ bool ViewSession::publish(std::shared_ptr<ViewImage> image, ViewRequest& request
     return true;
 }
 
-// Says how far bounced light is, where that is news.
+// Requests a complete image again with the options it gets at rest, unless there is a newer request.
+// @return whether there is a request
+bool ViewSession::finishes(ViewRequest& request)
+{
+    const std::lock_guard lock(mutex_);
+    if (request_) return true;
+    if (!request.at_rest || request.scene != scene_) return false;
+    request.options = *std::exchange(request.at_rest, std::nullopt);
+    request.finishing = true;
+    request.pick.reset();   // answered
+    refining_ = true;
+    request_ = std::move(request);
+    return true;
+}
+
+// Says what takes long, and how far it is, where that is news.
 void ViewSession::note_preparing(const std::string& stage)
 {
     const std::lock_guard lock(mutex_);
@@ -458,18 +394,22 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
     // Where nothing moves, cast more and more rays: each image is traced anew, and can be interrupted.
     constexpr int k_most_doublings = 8;
     refined_ = refines ? std::min(refined_ + 1, k_most_doublings) : 0;
-    input.indirect_ray_limit = request.whole ? 0 : rays_a_frame_ << refined_;
+    input.indirect_ray_limit = request.whole || request.finishing ? 0 : rays_a_frame_ << refined_;
     input.preview = !request.whole && !refines && (request.preview || early);
     if (in_motion) input.indirect_ray_limit = std::clamp<std::uint64_t>(*request.rays, 1, rays_a_frame_);
     hand_over_overrides(*scene, request, input);
 
     // Render the frame; a newer request interrupts it if it only refines what is shown, an urgent one in any case.
-    const bool yields = request.interruptible || (refines && survives_interruption(request.options));
+    const bool yields =
+        request.interruptible || request.finishing || (refines && survives_interruption(request.options));
     const bool yields_to_urgent = !request.urgent && !request.whole && survives_interruption(request.options);
     auto image = std::make_shared<ViewImage>();
     Frame& frame = image->frame;
     const auto goes_on = [&](const ProgressStep& step) {
-        if (prepares && !early && request.early) note_preparing(preparing_text(step));
+        if (prepares && !early && request.early)
+            note_preparing(preparing_text("bounced light: " + std::string(step.stage), step));
+        if (request.finishing && (step.stage == "blurring" || step.stage == "drawing"))
+            note_preparing(preparing_text(blur_name(request.options), step));
         return !leaving_ && !(yields && asked_ != request.number) && !(yields_to_urgent && urgent_ > request.number);
     };
     try {

@@ -67,8 +67,13 @@ struct ViewRequest {
     /// More than the view and its time changed: an image of the request before is not waited for, unless that one is
     /// urgent as well.
     bool urgent = false;
+    /// Options of a last image, once nothing is missing in the one with `options`: with all indirect light, and
+    /// interrupted by any newer request. For what takes long and is not needed in motion, such as blur.
+    std::optional<RenderOptions> at_rest;
     int enlarge = 1;   // how many times as wide its images are, with sharp edges between surfaces (viewer/enlarge.h)
+    // Of the session itself.
     std::uint64_t number = 0;   // given by ask()
+    bool finishing = false;     // for the image with the options at rest
 };
 
 /// Milliseconds by stage.
@@ -126,7 +131,7 @@ struct LoadState {
     std::uint64_t failed = 0;     // its request; 0: the last frame did not fail
     std::exception_ptr trouble;   // the last error
     std::uint64_t loads = 0;      // that succeeded
-    std::string preparing;        // how far bounced light is; empty: it is not being prepared
+    std::string preparing;        // what takes long, and how far it is; empty: nothing
 };
 
 /// A scene as its file gives it, and what options make of it.
@@ -167,7 +172,7 @@ class ViewSession {
     bool busy() const;
     /// A new request would not wait for the one before to get its first image.
     bool interruptible() const;
-    /// The last request has an image, and gets refined ones until it is complete.
+    /// The last request has an image, and gets refined ones until it is complete, and its last one.
     bool refining() const;
     /// The newest image, if there is one newer than that number.
     std::shared_ptr<const ViewImage> image(std::uint64_t newer_than) const;
@@ -179,6 +184,7 @@ class ViewSession {
                                       bool refines);
     bool asked_soon(const std::stop_token& stop);
     bool publish(std::shared_ptr<ViewImage> image, ViewRequest& request, bool refines);
+    bool finishes(ViewRequest& request);
     void hand_over_overrides(const Scene& scene, const ViewRequest& request, FrameInput& input);
     Picked pick(const Scene& scene, const Frame& frame, const glm::vec2& place);
     std::optional<Picked> picked_before(const std::shared_ptr<const Scene>& scene) const;

@@ -34,9 +34,25 @@ std::string ViewSettings::set(const options::Option& option, const std::string& 
     }
 }
 
+RenderOptions ViewSettings::motion_options() const
+{
+    RenderOptions options = shown_options(values_);
+    options.shutter = options.f_number = options.aperture = 0;
+    options.focus.reset();
+    return options;
+}
+
 RenderOptions ViewSettings::render_options() const
 {
-    return shown_options(values_);
+    RenderOptions options = shown_options(values_);
+    if (blurs(options) && !values_.given("samples")) options.samples = k_adaptive_samples;
+    return options;
+}
+
+bool blurs(const RenderOptions& options)
+{
+    const bool asked = options.shutter > 0 || options.f_number > 0 || options.aperture > 0;
+    return asked && options.overlay == Overlay::none && options.shadow_culling != ShadowCulling::paper;
 }
 
 SceneRecipe ViewSettings::recipe(const std::string& scene) const

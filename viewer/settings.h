@@ -16,6 +16,11 @@ class ViewSettings {
     /// @return empty, or an error message; then nothing is changed
     std::string set(const options::Option& option, const std::string& text);
 
+    /// Of images in motion, which have no blur.
+    /// @throws UsageError  if options exclude each other
+    RenderOptions motion_options() const;
+    /// Of images at rest and of saved ones. Where motion or lens blur them, their samples are adaptive unless their
+    /// number is given, because one place of the lens for each pixel is noise.
     /// @throws UsageError  if options exclude each other
     RenderOptions render_options() const;
     /// `--exposure auto-frame`: also the frames of a recording have their own.
@@ -26,5 +31,8 @@ class ViewSettings {
  private:
     options::OptionValues values_;
 };
+
+/// Whether images have motion blur or depth of field.
+bool blurs(const RenderOptions& options);
 
 }   // namespace gnomon::viewer

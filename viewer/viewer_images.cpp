@@ -139,7 +139,8 @@ void Viewer::Impl::ask()
     // Describe the frame.
     ViewRequest request;
     request.scene = scene;
-    request.options = settings.render_options();
+    const RenderOptions at_rest = settings.render_options();
+    request.options = whole ? at_rest : settings.motion_options();
     // An automatic exposure is computed from a recording's first frame, and kept, so that the video does not flicker.
     if (recorder.recording() && !request.options.exposure && !settings.exposure_of_each_frame())
         request.options.exposure = video_exposure;
@@ -158,6 +159,7 @@ void Viewer::Impl::ask()
     request.coarse = !whole && !sharper && requested_divisor > 1;
     request.preview = !whole && requested_divisor > 1;
     request.enlarge = enlargement(request.size, requested_divisor);
+    if (!whole && requested_divisor == 1 && blurs(at_rest)) request.at_rest = at_rest;
     if (own_camera) request.orbit = camera.camera();
     request.pick = std::exchange(pick, std::nullopt);
 

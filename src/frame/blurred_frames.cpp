@@ -34,9 +34,11 @@ bool FrameEngine::can_blur() const
            (options_.shutter > 0 || options_.f_number > 0 || options_.aperture > 0);
 }
 
-// Moves the state to a fraction of the shutter's opening. The techniques follow with the next image.
+// Moves the state to a fraction of the shutter's opening, whole, because what missed a time could not follow to the
+// next. The techniques follow with the next image.
 void FrameEngine::pose(const Shutter& shutter, double fraction)
 {
+    const InterruptionScope whole(nullptr);
     if (shutter.host) shutter.host->apply_pose(*state_, fraction);
     state_->advance(fraction == Shutter::k_middle ? shutter.middle : shutter.at(fraction));
     posed_ = true;
@@ -54,7 +56,7 @@ void FrameEngine::blur_traced(trace::Blur& blur, const Shutter& shutter, const t
     while (blur.next_round(tasks)) {
         for (int k = 0; k < times; ++k) {
             if (!blur.uses(k)) continue;
-            report_progress("tracing", static_cast<double>(k) / times);
+            report_progress("blurring", blur.progress(k));
             scene::View view = view_;
             if (times > 1) {
                 const double fraction = Shutter::fraction(k, times);
@@ -92,7 +94,10 @@ FrameCounters FrameEngine::blur_raster(const scene::View& view, const Shutter& s
     };
     std::vector<std::vector<double>> sums;
     FrameCounters counters;
+    records_whole_ = true;
     for (int k = 0; k < k_raster_poses; ++k) {
+        report_progress("drawing", static_cast<double>(k) / k_raster_poses);
+        const InterruptionScope whole(nullptr);
         scene::View posed = view;
         if (motion.times > 1) {
             const double fraction = Shutter::fraction(k, k_raster_poses);
@@ -118,6 +123,7 @@ FrameCounters FrameEngine::blur_raster(const scene::View& view, const Shutter& s
         }
     }
     // What is not averaged is that of the shutter's middle.
+    const InterruptionScope whole(nullptr);
     if (posed_) pose(shutter, Shutter::k_middle);
     add(counters, render_raster(view, true));
     const std::vector<ImageF*> last = layers();

@@ -450,12 +450,12 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
         guard.succeed();
         return counters;
     } catch (const InterruptedError&) {
-        // Nah's culling has learned from half a frame, the rasteriser has recorded half of one, and a light map may
-        // have followed half of the changes. The overlay checks a culling that may not have followed any.
+        // Nah's culling has learned from half a frame, the rasteriser may have recorded half of one, and a light map
+        // may have followed half of the changes. The overlay checks a culling that may not have followed any.
         if (cache_ && !cache_->abandon_frame()) cache_.reset();
         nah_.reset();
         map_.reset();
-        raster_.reset();
+        if (!records_whole_) raster_.reset();
         if (plan_.shown == Shown::shadow_states) discard_caches();
         guard.succeed();
         throw;
@@ -514,7 +514,7 @@ void FrameEngine::trace_centres(const RenderRequest& request)
 void FrameEngine::list_changes()
 {
     report_ = {};
-    posed_ = false;
+    posed_ = records_whole_ = false;
     report_.everything = !follows_frame_;
     if (follows_frame_) {
         const scene::FrameChanges& changes = state_->changes();

@@ -262,6 +262,7 @@ class FrameEngine {
     scene::View view_;             // of the last frame
     bool has_frame_ = false;       // see has_frame()
     bool follows_frame_ = false;   // the last advance() started from a complete frame
+    bool records_whole_ = false;   // the rasteriser is not interrupted within an image
     bool posed_ = false;           // the last frame moved through its shutter's times
     bool has_image_ = false;       // the last frame's image lies in buffers_ as it was rendered
     std::optional<Made> made_;     // what made the image in buffers_, if a frame of the same may have it again

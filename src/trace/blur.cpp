@@ -171,10 +171,8 @@ bool Blur::next_round(Tasks& tasks)
         totals_.assign(k_totals.begin(), k_totals.end());
         if (options_.samples > 0) totals_ = {static_cast<std::uint32_t>(options_.samples)};
     }
+    if (round_ + 1 == most_rounds()) return false;
     const bool posed = motion_.times > 1;
-    if (round_ + 1 ==
-        (posed ? std::min(k_posed_rounds, static_cast<int>(totals_.size())) : static_cast<int>(totals_.size())))
-        return false;
     // Go on with the pixels whose error is too large.
     Image8 next(size_.width, size_.height, 1);
     std::vector<std::size_t> last(static_cast<std::size_t>(size_.height), 0);   // of each row, 1 and the largest total
@@ -200,6 +198,17 @@ bool Blur::next_round(Tasks& tasks)
             if (*next.pixel(x, y) != 0) *rounds_.pixel(x, y) = static_cast<std::uint8_t>(*next.pixel(x, y) + 1);
     active_ = std::move(next);
     return true;
+}
+
+int Blur::most_rounds() const
+{
+    const int totals = static_cast<int>(totals_.size());
+    return motion_.times > 1 ? std::min(k_posed_rounds, totals) : totals;
+}
+
+double Blur::progress(double times) const
+{
+    return (round_ + times / motion_.times) / most_rounds();
 }
 
 // The number of the least total with which a pixel's error is small enough, or of the last one.

@@ -116,6 +116,9 @@ class Blur {
     /// Selects the pixels that take the next samples.
     /// @return  false: there are none
     bool next_round(Tasks& tasks);
+    /// How much of all rounds is done.
+    /// @param times  of this round that are done
+    double progress(double times) const;
     /// Whether some sample of the round may have this time.
     bool uses(int time) const { return used_[static_cast<std::size_t>(time)]; }
     bool active(int x, int y) const { return *active_.pixel(x, y) != 0; }
@@ -144,6 +147,7 @@ class Blur {
     };
     void add_spread(int x, int y, Spread& to) const;
     float error_at(int x, int y, std::uint32_t samples) const;
+    int most_rounds() const;
     std::size_t next_total(int x, int y) const;
 
     BlurMotion motion_;

@@ -414,13 +414,22 @@ FrameCounters trace_blurred(const scene::SceneState& state, const ray::RayScene&
                             Blur& blur, std::optional<int> time)
 {
     const FrameContext frame{state, rays, view, tasks};
-    Pass pass(frame, options, techniques, nullptr, times);
+    std::optional<Pass> following;
+    {
+        // Indirect light follows whole as well: with many times, an interruption would often find it half-way.
+        const InterruptionScope whole(nullptr);
+        following.emplace(frame, options, techniques, nullptr, times);
+    }
+    Pass& pass = *following;
     // Those of the shutter's middle, from trace_frame().
     if (techniques.scratch) pass.centres = &techniques.scratch->centres;
     if (techniques.scratch && shares_places(options, techniques, &blur)) pass.places = &techniques.scratch->places;
+    std::atomic<std::size_t> done = 0;
     if (time)
         pass.for_each_tile([&](std::size_t index, TileTracer& tracer) {
             if (blur.any_active(pass.tile(index))) tracer.blur(pass.tile(index), blur, *time);
+            const double part = static_cast<double>(++done) / static_cast<double>(pass.tiles());
+            report_progress("blurring", blur.progress(*time + part));
         });
     return pass.end();
 }

@@ -39,10 +39,16 @@ struct Case {
 std::vector<Case> cases()
 {
     const RenderOptions usual{.size = {64, 48}, .threads = 4, .layers = true, .keep_image = false};
-    std::vector<Case> all{{"builtin:kinetic", usual, 3, 2}, {"builtin:cornell", usual}, {"builtin:cornell", usual}};
+    std::vector<Case> all{{"builtin:kinetic", usual, 3, 2},
+                          {"builtin:cornell", usual},
+                          {"builtin:cornell", usual},
+                          {"builtin:cornell", usual}};
     all[1].options.threads = 1;
     all[1].options.samples = 4;
     all[2].options.indirect = Indirect::quadtree;
+    all[3].options.samples = k_adaptive_samples;
+    all[3].options.shutter = 360;
+    all[3].rounds = 6;
     return all;
 }
 

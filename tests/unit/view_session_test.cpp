@@ -11,6 +11,7 @@
 
 #include "support.h"
 #include "two_clips.h"
+#include "viewer/settings.h"
 
 namespace gnomon::viewer {
 namespace {
@@ -585,6 +586,91 @@ TEST(ViewSession, ImagesAtRestHaveTheDepthsOfThoseInMotion)
     other.orbit = session.image(0)->camera;
     other.orbit->transform.m[12] += 0.1;
     EXPECT_TRUE(finished(session, other)->nearness.empty()) << "of another camera";
+}
+
+TEST(ViewSettings, ImagesInMotionHaveNoBlur)
+{
+    ViewSettings settings(options::OptionValues(options::Subcommand::view));
+    const auto set = [&](const char* name, const char* value) {
+        EXPECT_EQ(settings.set(*options::find_option(options::Subcommand::view, name), value), "");
+    };
+    EXPECT_FALSE(blurs(settings.render_options()));
+    EXPECT_EQ(settings.render_options().samples, 1);
+    set("aperture", "2.8"), set("focus", "3"), set("shutter", "180");
+    EXPECT_FALSE(blurs(settings.motion_options()));
+    EXPECT_EQ(settings.motion_options().samples, 1);
+    EXPECT_EQ(settings.motion_options().focus, std::nullopt) << "which is refused without a lens";
+    EXPECT_EQ(settings.render_options().shutter, 180);
+    EXPECT_EQ(settings.render_options().samples, k_adaptive_samples);
+    set("samples", "16");
+    EXPECT_EQ(settings.render_options().samples, 16);
+    EXPECT_EQ(settings.motion_options().samples, 16);
+    set("overlay", "clusters"), set("indirect", "quadtree");
+    EXPECT_FALSE(blurs(settings.render_options())) << "overlays show one sample";
+}
+
+// A request of a frame of the clip that gets motion blur and depth of field at rest.
+ViewRequest blurred_at_rest(const ViewSession& session, double time, RenderMethod renderer)
+{
+    ViewRequest request = at(time);
+    request.scene = session.scene();
+    request.options.renderer = renderer;
+    request.at_rest = request.options;
+    request.at_rest->samples = k_adaptive_samples;
+    request.at_rest->shutter = 360;
+    request.at_rest->f_number = 1.4;
+    return request;
+}
+
+// The sharp image comes first, without samples for the blur, and the last one is that of a renderer that has made no
+// other.
+TEST(ViewSession, AnImageAtRestGetsItsBlurLast)
+{
+    for (const RenderMethod renderer : {RenderMethod::trace, RenderMethod::raster}) {
+        ViewSession session(2), sharp_session(2);
+        load(session), load(sharp_session);
+        const ViewRequest request = blurred_at_rest(session, 0.8, renderer);
+        ViewRequest sharp = at(0.8);
+        sharp.options.renderer = renderer;
+        const auto plain = finished(sharp_session, sharp);
+        session.ask(request);
+        ASSERT_TRUE(comes([&] { return !session.busy(); }));
+        ASSERT_TRUE(comes([&] { return !session.load_state().preparing.empty(); }));
+        EXPECT_EQ(session.load_state().preparing.rfind("motion blur and depth of field", 0), 0u);
+        EXPECT_TRUE(same(session.image(0), plain)) << "complete before it is blurred";
+        ASSERT_TRUE(comes([&] { return !session.refining(); }));
+        EXPECT_EQ(session.load_state().preparing, "");
+        RenderOptions options = *request.at_rest;
+        options.size = request.size;
+        FrameInput input;
+        input.time = 0.8;
+        const Frame expected = Renderer(options).render(*session.scene(), input);
+        EXPECT_EQ(session.image(0)->image.data, expected.to_srgb8());
+        EXPECT_NE(session.image(0)->image.data, plain->image.data);
+    }
+}
+
+// Blur ends when a newer request comes, and what is remembered has followed all times of the shutter until then.
+TEST(ViewSession, NewRequestInterruptsBlur)
+{
+    for (const RenderMethod renderer : {RenderMethod::trace, RenderMethod::raster}) {
+        ViewSession session(2), fresh(2);
+        load(session), load(fresh);
+        ViewRequest later = at(0.3);
+        later.options.renderer = renderer;
+        const auto expected = finished(fresh, later);
+        for (int round = 0; round < 3; ++round) {
+            ViewRequest request = blurred_at_rest(session, 0.8, renderer);
+            request.size = {320, 240};
+            const std::uint64_t blurs = session.ask(request);
+            ASSERT_TRUE(comes([&] { return !session.load_state().preparing.empty(); }));
+            std::this_thread::sleep_for(std::chrono::milliseconds(10 * round));
+            const auto image = finished(session, later);
+            EXPECT_TRUE(same(image, expected)) << "round " << round;
+            EXPECT_GT(image->request, blurs);
+            EXPECT_EQ(session.load_state().frame_error, "");
+        }
+    }
 }
 
 TEST(ViewSession, WholeFrameEqualsTheRefinedOne)
