@@ -13,6 +13,7 @@ namespace gnomon::patches {
 namespace {
 
 constexpr std::size_t k_patches_at_once = 64;          // in a task that casts rays
+constexpr std::size_t k_patches_to_block = 256;        // in a task that casts some again
 constexpr std::size_t k_patches_to_gather = 1024;      // in a task that sums
 constexpr double k_golden_angle = 2.399963229728653;   // radians
 // Ray r starts at place number k_order * r: neighbouring directions start far apart.
@@ -46,30 +47,55 @@ const Surroundings::Spot& spot_of(const Surroundings& surroundings, std::size_t 
     return surroundings.spots()[(r - PatchLinks::k_rays) % surroundings.spots().size()];
 }
 
-// Finds the rays of a patch, from places at equal steps of area.
-void find_rays(const SurfacePatches& patches, PatchId p, const Surroundings& surroundings, RaysOfPatch& out)
+const std::array<glm::dvec3, PatchLinks::k_rays>& lattice()
+{
+    static const std::array<glm::dvec3, PatchLinks::k_rays> directions = fibonacci_lattice();
+    return directions;
+}
+
+// Whether make_basis() is the same for both normals: it tells zeros apart by their sign.
+bool same_basis(const glm::vec3& a, const glm::vec3& b)
+{
+    return a == b && std::signbit(a.z) == std::signbit(b.z);
+}
+
+// The cosine and the sine by which the lattice of a patch is turned against that of its neighbours.
+glm::dvec2 turn_of(PatchId p)
+{
+    const double turn = std::fmod(static_cast<double>(p) * k_golden_angle, 2 * k_pi);
+    return {std::cos(turn), std::sin(turn)};
+}
+
+// By bit: some of the first k_rays of a patch.
+using SomeRays = std::uint32_t;
+constexpr SomeRays k_every_ray = 0xffffffff;
+static_assert(PatchLinks::k_rays == 32);
+
+// Finds rays of a patch, from places at equal steps of area: some, and all those to spots.
+void find_rays(const SurfacePatches& patches, PatchId p, const glm::dvec2& turn, const Surroundings& surroundings,
+               SomeRays some, RaysOfPatch& out)
 {
     const std::span<const PatchPlace> places = patches.places(patches.patches()[p]);
     double all = 0;
     for (const PatchPlace& place : places) all += static_cast<double>(place.area);
     std::size_t at[PatchLinks::k_rays];
     double sum = static_cast<double>(places[0].area);
-    for (std::size_t k = 0, place = 0; k < PatchLinks::k_rays; ++k) {
+    std::fill(std::begin(at), std::end(at), 0);
+    for (std::size_t k = 0, place = 0; k < PatchLinks::k_rays && places.size() > 1; ++k) {
         const double wanted = all * (static_cast<double>(k) + 0.5) / static_cast<double>(PatchLinks::k_rays);
         while (sum < wanted && place + 1 < places.size()) sum += static_cast<double>(places[++place].area);
         at[k] = place;
     }
-    static const std::array<glm::dvec3, PatchLinks::k_rays> lattice = fibonacci_lattice();
-    const double turn = std::fmod(static_cast<double>(p) * k_golden_angle, 2 * k_pi);
-    const double cosine = std::cos(turn), sine = std::sin(turn);
+    const double cosine = turn.x, sine = turn.y;
+    glm::vec3 normal(0), x(0), y(0);
     for (std::size_t r = 0; r < PatchLinks::k_rays; ++r) {
+        out.exists[r] = (some >> r & 1) != 0;
+        if (!out.exists[r]) continue;
         const PatchPlace& place = places[at[k_order * r % PatchLinks::k_rays]];
-        glm::vec3 x, y;
-        make_basis(place.normal, x, y);
-        const glm::dvec3& l = lattice[r];
+        if (!same_basis(place.normal, normal)) normal = place.normal, make_basis(normal, x, y);
+        const glm::dvec3& l = lattice()[r];
         const glm::vec3 d(cosine * l.x - sine * l.y, sine * l.x + cosine * l.y, l.z);
         out.ray[r] = {place.position, d.x * x + d.y * y + d.z * place.normal, place.normal};
-        out.exists[r] = true;
     }
     for (std::size_t r = PatchLinks::k_rays; r < PatchLinks::k_all_rays; ++r) {
         out.exists[r] = false;
@@ -80,6 +106,54 @@ void find_rays(const SurfacePatches& patches, PatchId p, const Surroundings& sur
         out.ray[r] = {place.position, direction, place.normal};
         out.exists[r] = glm::dot(direction, place.normal) > 0;
     }
+}
+
+// PatchLinks::reach
+float reach_of(const SurfacePatches& patches, const Patch& patch)
+{
+    float reach = 0;
+    const std::span<const PatchPlace> places = patches.places(patch);
+    for (const PatchPlace& place : places) {
+        if (!same_basis(place.normal, places[0].normal)) return k_infinity;
+        reach = std::max(reach, glm::length(place.position - patch.position));
+    }
+    return reach;
+}
+
+// The rays that may cross a sphere, and perhaps others: of a flat patch, those that do so from its middle if the sphere
+// is wider by what lies between. @pre reach is finite
+SomeRays rays_across(const SurfacePatches& patches, PatchId p, float reach, const BoundingSphere& sphere,
+                     const glm::dvec2& turn)
+{
+    struct Lattice {
+        float x[PatchLinks::k_rays], y[PatchLinks::k_rays], z[PatchLinks::k_rays];
+        SomeRays bit[PatchLinks::k_rays];
+        Lattice()
+        {
+            for (std::size_t r = 0; r < PatchLinks::k_rays; ++r) {
+                const glm::vec3 l(lattice()[r]);
+                x[r] = l.x, y[r] = l.y, z[r] = l.z, bit[r] = 1u << r;
+            }
+        }
+    };
+    static const Lattice directions;
+    constexpr float k_rounding = 1e-4f;
+    const Patch& patch = patches.patches()[p];
+    const glm::vec3 normal = patches.places(patch)[0].normal, to = sphere.centre - patch.position;
+    glm::vec3 x, y;
+    make_basis(normal, x, y);
+    const glm::vec2 flat(glm::dot(to, x), glm::dot(to, y)), cosine_sine(turn);
+    const float across = glm::dot(cosine_sine, flat), along = cosine_sine.x * flat.y - cosine_sine.y * flat.x,
+                up = glm::dot(to, normal);
+    const float square = glm::dot(to, to), radius = sphere.radius + reach,
+                least = square - radius * radius - k_rounding * (square + radius * radius);
+    if (!(least > 0)) return k_every_ray;
+    SomeRays some = 0;
+    for (std::size_t r = 0; r < PatchLinks::k_rays; ++r) {
+        const float ahead = directions.x[r] * across + directions.y[r] * along + directions.z[r] * up;
+        some |= ahead * std::abs(ahead) >= least ? directions.bit[r] : 0u;
+    }
+    return some;
 }
 
 // The part of the irradiance that one ray brings, of a radiance.
@@ -121,7 +195,9 @@ class Caster {
         of_patch_.resize(last - first);
         for (PatchId p = first; p < last; ++p) {
             RaysOfPatch& of = of_patch_[p - first];
-            find_rays(patches_, p, surroundings, of);
+            links.turn[p] = turn_of(p);
+            find_rays(patches_, p, links.turn[p], surroundings, k_every_ray, of);
+            links.reach[p] = reach_of(patches_, patches_.patches()[p]);
             links.missed[p] = missed_by(of, surroundings);
             for (std::size_t k = 0; k < PatchLinks::k_all_rays; ++k)
                 if (of.exists[k]) rays_.push(of.ray[k].origin, of.ray[k].direction);
@@ -176,6 +252,8 @@ PatchLinks link_patches(const SurfacePatches& patches, const scene::SceneState& 
     links.target.assign(PatchLinks::k_rays * count, PatchLinks::k_none);
     links.leaves.assign(PatchLinks::k_all_rays * count, 0);
     links.weight.assign(count, 0.0f);
+    links.reach.assign(count, k_infinity);
+    links.turn.assign(count, glm::dvec2(0));
     links.missed.assign(count, glm::vec3(0));
     links.surroundings.assign(count, glm::vec3(0));
     if (rays.thins_light()) links.passes.assign(PatchLinks::k_all_rays * count, glm::vec3(1));
@@ -197,15 +275,15 @@ std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchL
     const std::size_t count = patches.patches().size();
     std::vector<glm::vec3> blocked(count, glm::vec3(0));
     if (spheres.empty() || (exitance.empty() && !surroundings.any())) return blocked;
-    tasks.for_each((count + k_patches_at_once - 1) / k_patches_at_once, [&](std::size_t run, int) {
+    tasks.for_each((count + k_patches_to_block - 1) / k_patches_to_block, [&](std::size_t run, int) {
         interruption_point();
         PatchRays cast;
         std::vector<std::size_t> of;     // by ray: its number among all
         std::vector<glm::vec3> brings;   // by ray: from beyond
         RaysOfPatch found;
         std::vector<const BoundingSphere*> near;
-        const std::size_t last = std::min((run + 1) * k_patches_at_once, count);
-        for (std::size_t p = run * k_patches_at_once; p < last; ++p) {
+        const std::size_t last = std::min((run + 1) * k_patches_to_block, count);
+        for (std::size_t p = run * k_patches_to_block; p < last; ++p) {
             const Patch& patch = patches.patches()[p];
             near.clear();
             for (const BoundingSphere& sphere : spheres) {
@@ -217,7 +295,16 @@ std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchL
                 near.push_back(&sphere);
             }
             if (near.empty()) continue;
-            find_rays(patches, static_cast<PatchId>(p), surroundings, found);
+            const auto id = static_cast<PatchId>(p);
+            SomeRays some = 0;
+            if (std::isfinite(links.reach[p])) {
+                for (const BoundingSphere* sphere : near)
+                    some |= rays_across(patches, id, links.reach[p], *sphere, links.turn[p]);
+            } else {
+                some = k_every_ray;
+            }
+            if (some == 0 && surroundings.spots().empty()) continue;
+            find_rays(patches, id, links.turn[p], surroundings, some, found);
             for (std::size_t r = 0; r < PatchLinks::k_all_rays; ++r) {
                 if (!found.exists[r]) continue;
                 const PatchRay& ray = found.ray[r];
@@ -234,6 +321,15 @@ std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchL
                 of.push_back(number);
                 brings.push_back(beyond ? from_beyond(surroundings, links.missed[p], ray, r) : glm::vec3(0));
             }
+        }
+        // Few rays meet a dynamic object at all. Only these can end on one.
+        if (!rays.thins_light()) {
+            cast.trace(state.scene(), rays, ray::Against::dynamic_only);
+            std::size_t kept = 0;
+            for (std::size_t k = 0; k < of.size(); ++k)
+                if (!cast.leaves(k)) of[kept] = of[k], brings[kept] = brings[k], ++kept;
+            of.resize(kept);
+            cast.keep_ended();
         }
         cast.trace(state.scene(), rays, ray::Against::everything);
         std::vector<glm::vec3> passes(rays.thins_light() ? cast.size() : 0);
@@ -257,16 +353,20 @@ void gather_links(const PatchLinks& links, std::span<const glm::vec3> exitance, 
                   Tasks& tasks)
 {
     const std::size_t count = exitance.size();
+    // Four numbers each, so that the three sums are one of vectors; none is the last, which is black.
+    std::vector<glm::vec4> light(count + 1, glm::vec4(0));
+    std::ranges::transform(exitance, light.begin(), [](const glm::vec3& of) { return glm::vec4(of, 0); });
     tasks.for_each((count + k_patches_to_gather - 1) / k_patches_to_gather, [&](std::size_t run, int) {
         const std::size_t last = std::min((run + 1) * k_patches_to_gather, count);
         for (std::size_t p = run * k_patches_to_gather; p < last; ++p) {
-            glm::vec3 sum(0);
+            glm::vec4 sum(0);
             const std::uint16_t* target = links.target.data() + PatchLinks::k_rays * p;
             const glm::vec3* passes = links.passes.empty() ? nullptr : links.passes.data() + PatchLinks::k_all_rays * p;
-            for (std::size_t k = 0; k < PatchLinks::k_rays; ++k)
-                if (target[k] != PatchLinks::k_none)
-                    sum += passes ? passes[k] * exitance[target[k]] : exitance[target[k]];
-            irradiance[p] = links.weight[p] * sum;
+            for (std::size_t k = 0; k < PatchLinks::k_rays; ++k) {
+                const glm::vec4& from = light[std::min<std::size_t>(target[k], count)];
+                sum += passes ? glm::vec4(passes[k], 0) * from : from;
+            }
+            irradiance[p] = links.weight[p] * glm::vec3(sum);
         }
     });
 }

@@ -13,7 +13,7 @@
 // if there are any, and what the others miss of the rest where nothing hides it is divided among those that leave the
 // scene.
 //
-// Cost: 32 to 40 rays a patch, once for a static scene. Memory: 132 bytes a patch; 612 where anything thins light.
+// Cost: 32 to 40 rays a patch, once for a static scene. Memory: 152 bytes a patch; 632 where anything thins light.
 
 #include "patches/surface_patches.h"
 #include "patches/surroundings.h"
@@ -25,16 +25,19 @@ struct PatchLinks {
     static constexpr std::size_t k_to_spots = 8;   // likewise, after those
     static constexpr std::size_t k_all_rays = k_rays + k_to_spots;
     static constexpr std::uint16_t k_none = 0xffff;
-    std::vector<std::uint16_t> target;     // k_rays for each patch: the patch that a ray meets, or none
-    std::vector<std::uint8_t> leaves;      // k_all_rays for each patch: whether it leaves the static scene
-    std::vector<glm::vec3> passes;         // likewise: the part of light that passes what thins it; empty: all of it
-    std::vector<float> weight;             // by patch: of each ray that meets a patch
-    std::vector<glm::vec3> missed;         // by patch: irradiance that each of k_rays brings if it leaves the scene,
-                                           // besides its own
+    std::vector<std::uint16_t> target;   // k_rays for each patch: the patch that a ray meets, or none
+    std::vector<std::uint8_t> leaves;    // k_all_rays for each patch: whether it leaves the static scene
+    std::vector<glm::vec3> passes;       // likewise: the part of light that passes what thins it; empty: all of it
+    std::vector<float> weight;           // by patch: of each ray that meets a patch
+    std::vector<glm::dvec2> turn;        // by patch: cosine and sine of its rays' turn about the normals
+    std::vector<float> reach;            // by patch: how far its places are from its middle; infinite if it is not flat
+    std::vector<glm::vec3> missed;       // by patch: irradiance that each of k_rays brings if it leaves the scene,
+                                         // besides its own
     std::vector<glm::vec3> surroundings;   // by patch: irradiance from beyond the static scene
     std::size_t bytes() const
     {
-        return target.size() * (sizeof(std::uint16_t) + sizeof(std::uint8_t)) + weight.size() * sizeof(float) +
+        return target.size() * (sizeof(std::uint16_t) + sizeof(std::uint8_t)) +
+               (weight.size() + reach.size()) * sizeof(float) + turn.size() * sizeof(glm::dvec2) +
                (passes.size() + surroundings.size() + missed.size()) * sizeof(glm::vec3);
     }
 };

@@ -63,6 +63,19 @@ void PatchRays::trace(const scene::Scene& scene, const ray::RayScene& rays, ray:
     }
 }
 
+void PatchRays::keep_ended()
+{
+    passing_.clear();
+    std::size_t kept = 0;
+    for (std::size_t r = 0; r < rays_.size(); ++r) {
+        if (leaves(r)) continue;
+        passing_.push(rays_.origin(r), 0, rays_.direction(r), far_[r]);
+        far_[kept++] = far_[r];
+    }
+    far_.resize(kept);
+    std::swap(rays_, passing_);
+}
+
 PatchId PatchRays::patch(const SurfacePatches& patches, const ray::RayScene& rays, std::size_t r) const
 {
     const Surface at = surface(rays, r);

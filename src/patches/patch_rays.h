@@ -27,6 +27,8 @@ class PatchRays {
     void trace(const scene::Scene& scene, const ray::RayScene& rays, ray::Against against = ray::Against::static_only);
     /// Whether a ray meets nothing that blocks light: if it has no end, it leaves the scene. @pre traced
     bool leaves(std::size_t r) const { return hits_.object[r] == scene::none; }
+    /// Removes the rays that leave(). @pre traced; then they are to be traced again
+    void keep_ended();
     /// How far along a ray its end is. @pre traced, and it does not leave the scene
     float distance(std::size_t r) const { return hits_.t[r]; }
     /// The object that a ray ends on. @pre traced, and it does not leave the scene

@@ -254,6 +254,44 @@ TEST(Patches, LinksOfAClosedRoomLoseNothing)
     }
 }
 
+// What a ball keeps from patches is the same if all rays of all patches are looked at, not only those that may cross
+// the ball's sphere as seen from the middle of a patch.
+TEST(Patches, RaysAcrossASphereAreFoundFromThePatchsMiddle)
+{
+    World world("cornell");
+    patches::PatchOptions wide;
+    wide.patches = 500;
+    const SurfacePatches patches(world.state, world.rays, wide, world.tasks);
+    const patches::Surroundings surroundings(world.scene->background);
+    const PatchLinks links = patches::link_patches(patches, world.state, world.rays, surroundings, world.tasks);
+    PatchLinks slow = links;
+    slow.reach.assign(links.reach.size(), k_infinity);
+    EXPECT_GT(std::ranges::count_if(links.reach, [](float reach) { return std::isfinite(reach); }), 200);
+    std::vector<glm::vec3> exitance(links.weight.size());
+    for (std::size_t p = 0; p < exitance.size(); ++p) exitance[p] = glm::vec3(1 + static_cast<float>(p % 7));
+    ASSERT_FALSE(world.state.dynamic_objects().empty());
+    std::size_t blocked = 0;
+    for (const int frame : {1, 8, 20, 30}) {
+        world.go(frame);
+        std::vector<patches::BoundingSphere> spheres;
+        for (const scene::ObjectId o : world.state.dynamic_objects()) {
+            const Box3 box = world.scene->meshes[world.scene->objects[o].mesh].bounds();
+            const glm::mat4 matrix = world.state.object_matrix(o);
+            const float scale = std::cbrt(std::abs(glm::determinant(glm::mat3(matrix))));
+            spheres.push_back({transform_point(matrix, box.centre()), 0.5f * scale * box.size().x});
+        }
+        const auto found = [&](const PatchLinks& with) {
+            return patches::blocked_links(patches, with, world.state, world.rays, surroundings, spheres, exitance,
+                                          world.tasks);
+        };
+        const std::vector<glm::vec3> expected = found(slow);
+        EXPECT_TRUE(same_bits(found(links), expected)) << frame;
+        blocked +=
+            static_cast<std::size_t>(std::ranges::count_if(expected, [](const glm::vec3& b) { return b.x > 0; }));
+    }
+    EXPECT_GT(blocked, 50u);
+}
+
 // Nothing of a lit room reaches the other side of a sheet.
 TEST(Patches, NoLightBouncesThroughASheet)
 {

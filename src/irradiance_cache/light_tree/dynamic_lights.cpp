@@ -13,6 +13,8 @@ namespace gnomon::irradiance_cache {
 
 namespace {
 
+constexpr std::size_t k_rays_at_once = 256;   // by a thread
+
 // Sums surfaces by owner and by the octant that they face, and divides each sum by halves.
 class Octants {
  public:
@@ -174,7 +176,10 @@ void LightTree::gather_dynamic(Tasks& tasks)
             measure.push_back(r.measure * step * step);
         }
         hits.resize(texels.size());
-        rays_->closest(queue, 0, texels.size(), hits, ray::Sides::both);
+        tasks.for_each((texels.size() + k_rays_at_once - 1) / k_rays_at_once, [&](std::size_t run, int) {
+            const std::size_t first = run * k_rays_at_once;
+            rays_->closest(queue, first, std::min(first + k_rays_at_once, texels.size()), hits, ray::Sides::both);
+        });
         const std::vector<glm::vec3> factor =
             find_thin_leaves(state_->scene(), *rays_, queue, view.behind, ray::Against::everything, hits);
         for (std::size_t i = 0; i < texels.size(); ++i) {
