@@ -16,13 +16,17 @@ void MotionSize::add(int divisor, const Cost& cost, double target_ms)
         rays_ = std::clamp(static_cast<std::uint64_t>(change * static_cast<double>(rays_)), k_fewest_rays, k_most_rays);
     }
 
-    // Coarser at once, as far as it takes.
+    // Coarser as far as it takes: at once, if it is by much.
+    const double light = std::clamp(cost.light_ms, 0.0, cost.ms - fixed);
     const auto expected = [&](std::size_t level) {
         const double finer = static_cast<double>(divisor) / k_divisors[level];
-        return fixed + (cost.ms - fixed) * finer * finer;
+        return fixed + light * finer + (cost.ms - fixed - light) * finer * finer;
     };
-    if (cost.ms > allowed) {
+    late_ = cost.ms > allowed ? late_ + 1 : 0;
+    if (late_ > 0) {
         calm_ = 0;
+        if (late_ < k_late && cost.ms < k_much * allowed) return;
+        late_ = 0;
         while (level_ + 1 < k_divisors.size() && expected(level_) > allowed) ++level_;
         return;
     }

@@ -4,8 +4,9 @@
 // after the input that they show: the next image follows from what the ones before took.
 //
 // An image's time has parts that its pixels take, that new points of bounced light take, and that any image of this
-// moment takes, such as moving objects and lights. Fewer pixels shorten the first part alone. Where the last one is
-// long, the others may therefore take a part of it more, because leaving them out would hardly be felt.
+// moment takes, such as moving objects and lights. Fewer pixels shorten the first part, and the second one by less,
+// because few of its rays are cast for any one pixel. Where the last part is long, the others may therefore take a part
+// of it more, because leaving them out would hardly be felt.
 
 #include <array>
 #include <cstddef>
@@ -21,9 +22,11 @@ class MotionSize {
     /// While an animation plays by itself.
     static constexpr double k_playing_ms = 40;
     static constexpr double k_more = 0.25;   // of the part that any image takes, for the others, at least
-    static constexpr double k_spare =
-        0.75;   // of the time allowed for pixels: what those of a finer image may be expected to take
+    /// Of the time allowed for pixels: what those of a finer image may be expected to take.
+    static constexpr double k_spare = 0.85;
     static constexpr int k_calm = 2;         // images in a row that allow a finer one
+    static constexpr int k_late = 2;         // images in a row that take too long, until the next one is coarser,
+    static constexpr double k_much = 1.5;    // unless one takes this much of the allowed time
     static constexpr double k_light = 0.3;   // of the allowed time: for bounced light
     static constexpr std::uint64_t k_fewest_rays = 1u << 11, k_most_rays = 1u << 17;
     /// Width and height of an image in motion are those of the view divided by one of these.
@@ -47,7 +50,7 @@ class MotionSize {
 
  private:
     std::size_t level_ = k_divisors.size() - 2;   // coarse, so that the first image is quick
-    int calm_ = 0;
+    int calm_ = 0, late_ = 0;
     std::uint64_t rays_ = 1u << 14;
 };
 

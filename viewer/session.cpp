@@ -135,7 +135,8 @@ std::string blur_name(const RenderOptions& options)
     return moves && lens ? "motion blur and depth of field" : moves ? "motion blur" : "depth of field";
 }
 
-ViewTimes times_of(const Frame& frame, double encoding)
+// @param enlarges  the encoded image has the pixels of the screen, whatever the frame has
+ViewTimes times_of(const Frame& frame, double encoding, bool enlarges)
 {
     const auto sum = [&](std::initializer_list<FrameTimes::Stage> stages) {
         double total = 0;
@@ -147,7 +148,7 @@ ViewTimes times_of(const Frame& frame, double encoding)
     times.ms[ViewTimes::direct] = sum({FrameTimes::rays, FrameTimes::surfaces, FrameTimes::shadows});
     times.ms[ViewTimes::indirect] = sum({FrameTimes::light_maps, FrameTimes::indirect, FrameTimes::indirect_mirrored});
     times.light_maps = frame.times.ms[FrameTimes::light_maps];
-    times.fixed = times.light_maps + frame.times.ms[FrameTimes::scene];
+    times.fixed = times.light_maps + frame.times.ms[FrameTimes::scene] + (enlarges ? encoding : 0);
     times.ms[ViewTimes::rest] = std::max(frame.milliseconds - times.total(), 0.0) + encoding;
     return times;
 }
@@ -433,7 +434,7 @@ std::shared_ptr<ViewImage> ViewSession::render(const std::shared_ptr<const Scene
         EnlargedImage large = enlarged(image->image, surfaces_of(frame), request.enlarge);
         image->image = std::move(large.image), image->nearness = std::move(large.nearness);
     }
-    image->times = times_of(frame, milliseconds_since(start));
+    image->times = times_of(frame, milliseconds_since(start), enlarges);
 
     // Describe it.
     image->scene = scene;
