@@ -12,6 +12,7 @@ namespace gnomon::viewer {
 namespace {
 
 constexpr float k_alike = 0.8f;              // cosine between the normals of pixels that show one surface
+constexpr float k_flat = 0.999f;             // the same of pixels that a shadow may separate
 constexpr int k_most = 4;                    // times as wide
 constexpr int k_most_pixels = 420 * 1000;    // of an enlarged image: a few milliseconds
 constexpr int k_taps = 4;                    // in x and y
@@ -29,7 +30,12 @@ Weights spline_weights(float t)
 
 bool is_same(const SeenSurface& a, const SeenSurface& b)
 {
-    return a.object == b.object && (a.object == 0 || glm::dot(a.normal, b.normal) > k_alike);
+    if (a.object != b.object) return false;
+    if (a.object == 0) return true;
+    const float cosine = glm::dot(a.normal, b.normal);
+    if (!(cosine > k_alike)) return false;
+    // What curves away from a light gets darker little by little.
+    return !(cosine > k_flat) || ((a.lit & b.unlit) | (b.lit & a.unlit)) == 0;
 }
 
 // The 4 x 4 pixels around the places between four pixels' centres.

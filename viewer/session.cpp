@@ -75,13 +75,17 @@ bool has_ids(const RenderOptions& options)
     return options.overlay == Overlay::none || options.overlay == Overlay::redrawn;
 }
 
-// What a frame with the layers "id", "normal" and "depth" shows; empty without them.
+// What a frame with the layers "id", "normal" and "depth" shows; empty without them. With "shadow", also which lights
+// shine on it.
 std::vector<SeenSurface> surfaces_of(const Frame& frame)
 {
     std::vector<SeenSurface> surfaces;
     const Layer *const ids = frame.layer("id"), *const normals = frame.layer("normal"),
                        *const depths = frame.layer("depth");
     if (!ids || !normals || !depths) return surfaces;
+    const Layer* const shadows = frame.layer("shadow");
+    constexpr int k_most_lights = 32;
+    const int lights = shadows ? std::min(static_cast<int>(shadows->channels.size()), k_most_lights) : 0;
     surfaces.reserve(static_cast<std::size_t>(frame.size.width) * static_cast<std::size_t>(frame.size.height));
     for (int y = 0; y < frame.size.height; ++y)
         for (int x = 0; x < frame.size.width; ++x) {
@@ -89,6 +93,11 @@ std::vector<SeenSurface> surfaces_of(const Frame& frame)
             surfaces.push_back({ids->id(x, y),
                                 {normals->value(x, y, 0), normals->value(x, y, 1), normals->value(x, y, 2)},
                                 depth > 0 ? 1 / depth : 0});
+            for (int light = 0; light < lights; ++light) {
+                const float part = shadows->value(x, y, light);
+                surfaces.back().lit |= (part == 1 ? 1u : 0u) << light;
+                surfaces.back().unlit |= (part == 0 ? 1u : 0u) << light;
+            }
         }
     return surfaces;
 }

@@ -91,6 +91,34 @@ TEST(Enlarge, FacesOfOneObjectArePartedByTheirNormals)
     EXPECT_GT(between, 0);
 }
 
+// The edge of a shadow is a line as well, and a penumbra goes on from one side to the other.
+TEST(Enlarge, ShadowsEndInLines)
+{
+    Seen edge = seen(12, 4, [](int x, int) { return x >= 6; });
+    const auto between = [&] {
+        int count = 0;
+        for (const std::uint8_t value : enlarged(edge.image, edge.surfaces, 3).image.data)
+            count += value != 40 && value != 200;
+        return count;
+    };
+    for (SeenSurface& surface : edge.surfaces) surface = {7, {0, 1, 0}};
+    EXPECT_GT(between(), 0) << "one surface";
+    for (std::size_t i = 0; i < edge.surfaces.size(); ++i) {
+        edge.surfaces[i].lit = i % 12 < 6 ? 3 : 1;
+        edge.surfaces[i].unlit = i % 12 < 6 ? 0 : 2;
+    }
+    EXPECT_EQ(between(), 0) << "the second light is hidden from one half";
+    for (std::size_t i = 0; i < edge.surfaces.size(); ++i) {
+        const float angle = 0.1f * static_cast<float>(i % 12);
+        edge.surfaces[i].normal = {0, std::cos(angle), std::sin(angle)};
+    }
+    EXPECT_GT(between(), 0) << "it turns away from the light";
+    for (SeenSurface& surface : edge.surfaces) surface.normal = {0, 1, 0};
+    for (std::size_t i = 0; i < edge.surfaces.size(); ++i)
+        if (i % 12 == 5 || i % 12 == 6) edge.surfaces[i].lit = 1, edge.surfaces[i].unlit = 0;
+    EXPECT_GT(between(), 0) << "half of the second light is";
+}
+
 // A place has the nearness of the surface whose colour it has.
 TEST(Enlarge, NearnessGoesWithTheColour)
 {
