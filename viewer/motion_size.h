@@ -49,7 +49,7 @@ class MotionSize {
     void add(int divisor, const Cost& cost, double target_ms);
 
  private:
-    std::size_t level_ = k_divisors.size() - 2;   // coarse, so that the first image is quick
+    std::size_t level_ = k_divisors.size() - 1;   // coarse, so that the first image is quick
     int calm_ = 0, late_ = 0;
     std::uint64_t rays_ = 1u << 14;
 };

@@ -3,12 +3,10 @@
 // The glossy lobe of glossy.h as a linearly transformed cosine [Heitz et al. 2016]: the clamped cosine distribution,
 // transformed by a matrix, so that its integral over a polygon is Lambert's sum over the transformed polygon.
 //
-// The matrices are fitted to the lobe when they are first needed, by maximum likelihood: over a fixed pattern of
-// directions of the lobe, the mean logarithm of the transformed distribution is largest. They are stored relative to
-// the mirror direction and to the lobe's width, which vary slowly, so that a small table suffices. The fit is
-// deterministic.
+// The matrices are fitted to the lobe by maximum likelihood (cosine_fit.h). They are stored relative to the mirror
+// direction and to the lobe's width, which vary slowly, so that a small table suffices.
 //
-// Cost: .3 s of processor time once (2 cores, AMD EPYC with AVX-512); a bilinear look-up per point.
+// Cost: a bilinear look-up per point.
 
 #include <vector>
 
