@@ -28,36 +28,56 @@ struct EnvironmentLight::Image {
 EnvironmentLight::EnvironmentLight(const EnvironmentOptions& options) : options_(options) {}
 EnvironmentLight::~EnvironmentLight() = default;
 
-void EnvironmentLight::follow(const scene::SceneState& state, const ray::RayScene& rays)
+void EnvironmentLight::follow(const scene::SceneState& state, const ray::RayScene& rays, Tasks* tasks)
 {
-    bool anew = false;
-    if (!surroundings_)
-        surroundings_ = std::make_unique<Surroundings>(state, rays), anew = true;
+    // Neither the occluders nor the cells of an image need each other.
+    const std::shared_ptr<const scene::Environment> lights = lighting_image(state);
+    std::unique_ptr<Image> image;
+    bool anew = !surroundings_;
+    const auto make = [&](std::size_t part, int) {
+        if (part == 1)
+            image = std::make_unique<Image>(lights, options_);
+        else if (!surroundings_)
+            surroundings_ = std::make_unique<Surroundings>(state, rays);
+        else
+            anew = surroundings_->follow(state, rays);
+    };
+    const std::size_t parts = lights && (!image_ || image_->environment != lights) ? 2 : 1;
+    if (tasks)
+        tasks->for_each(parts, make);
     else
-        anew = surroundings_->follow(state, rays);
-    follow_image(state, anew);
+        for (std::size_t part = 0; part < parts; ++part) make(part, 0);
+    follow_image(lights, std::move(image), anew);
     follow_suns(state, anew);
 }
 
-// @param anew  static triangles changed: nothing is proven of them
-void EnvironmentLight::follow_image(const scene::SceneState& state, bool anew)
+// The image that lights the scene, if there is one.
+std::shared_ptr<const scene::Environment> EnvironmentLight::lighting_image(const scene::SceneState& state) const
+{
+    const scene::Background& background = state.scene().background;
+    if (!options_.image || background.kind != scene::Background::Kind::image ||
+        background.environment->flux() == glm::vec3(0))
+        return nullptr;
+    return background.environment;
+}
+
+// @param lights  the image that lights the scene
+// @param made    of it, if that is another one than before
+// @param anew    static triangles changed: nothing is proven of them
+void EnvironmentLight::follow_image(const std::shared_ptr<const scene::Environment>& lights,
+                                    std::unique_ptr<Image> made, bool anew)
 {
     if (image_) image_->visibility->forget_other();
     before_.reset();
-    const scene::Background& background = state.scene().background;
-    if (!options_.image || background.kind != scene::Background::Kind::image ||
-        background.environment->flux() == glm::vec3(0)) {
+    if (!lights) {
         if (image_) ++version_;
         image_.reset();
         return;
     }
-    if (image_ && image_->environment == background.environment && !anew) return;
+    if (!made && !anew) return;
 
     before_ = std::exchange(image_, nullptr);
-    if (before_ && before_->environment == background.environment)
-        image_ = std::move(before_);
-    else
-        image_ = std::make_unique<Image>(background.environment, options_);
+    image_ = made ? std::move(made) : std::move(before_);
     auto visibility = std::make_unique<CellVisibility>(*surroundings_, image_->cells, options_.proofs);
     if (before_ && !anew)
         visibility->take_over(*before_->visibility);

@@ -14,6 +14,7 @@
 
 #include <memory>
 
+#include "base/tasks.h"
 #include "environment_light/cell_light.h"
 #include "environment_light/cell_visibility.h"
 #include "environment_light/mirrored_cells.h"
@@ -42,7 +43,8 @@ class EnvironmentLight {
 
     /// Follows one advance() of the state, after the ray scene did. The state must be the one of the call before, or
     /// one that continues it.
-    void follow(const scene::SceneState& state, const ray::RayScene& rays);
+    /// @param tasks  optional: what is made at first is made side by side
+    void follow(const scene::SceneState& state, const ray::RayScene& rays, Tasks* tasks = nullptr);
     /// Whether the scene has no environment image, or a black one; nothing else may then be called but follow().
     bool empty() const { return !image_; }
     /// Increases whenever memory of points (PointMemory) must be forgotten: that of the image, and that of suns. While
@@ -72,7 +74,8 @@ class EnvironmentLight {
 
  private:
     struct Image;
-    void follow_image(const scene::SceneState& state, bool anew);
+    std::shared_ptr<const scene::Environment> lighting_image(const scene::SceneState& state) const;
+    void follow_image(const std::shared_ptr<const scene::Environment>& lights, std::unique_ptr<Image> made, bool anew);
     void follow_suns(const scene::SceneState& state, bool anew);
 
     EnvironmentOptions options_;

@@ -76,7 +76,7 @@ std::unique_ptr<EnvironmentTechnique> EnvironmentTechnique::of_every_ray(double 
 
 void EnvironmentTechnique::begin_frame(const FrameContext& frame, std::size_t tiles)
 {
-    light_.follow(frame.state, frame.rays);
+    light_.follow(frame.state, frame.rays, &frame.tasks);
     remembers_ = begun_;
     begun_ = true;
     const std::size_t sets = 1 + light_.suns().size();
