@@ -134,20 +134,13 @@ void IrradianceCache::update(const scene::SceneState& state, const ray::RayScene
 // Begins with what the patches receive, if there are any: by and by, pixels tell more exactly.
 void IrradianceCache::begin_rough_light()
 {
-    constexpr float k_black = 0.05f;   // an albedo that tells little of the light
     const PatchLight* const light = lights_.patch_light();
     if (!light) return;
     std::vector<RoughLight::Sample> samples;
     const std::span<const patches::Patch> patches = light->patches().patches();
-    for (std::size_t p = 0; p < patches.size(); ++p) {
-        const glm::vec3 albedo = light->albedo()[p];
-        if (!(luminance(albedo) > k_black) || !(patches[p].area > 0)) continue;
-        const glm::vec3 exitance = light->static_flux()[p] / patches[p].area;
-        glm::vec3 arrives(luminance(exitance) / luminance(albedo));
-        for (int colour = 0; colour < 3; ++colour)
-            if (albedo[colour] > k_black) arrives[colour] = exitance[colour] / albedo[colour];
-        samples.push_back({patches[p].position, patches[p].normal, arrives, patches[p].area});
-    }
+    const std::vector<glm::vec3> arrives = light->rough_irradiance();
+    for (std::size_t p = 0; p < patches.size(); ++p)
+        if (arrives[p].x >= 0) samples.push_back({patches[p].position, patches[p].normal, arrives[p], patches[p].area});
     rough_.note(samples);
 }
 

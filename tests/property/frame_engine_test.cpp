@@ -217,5 +217,29 @@ TEST(FrameEngine, KeepsWhatIsSeenOfAnEnvironmentAfterAnAdvanceThatChangedNothing
     EXPECT_EQ(rays(), again);
 }
 
+// Where rays are limited, pixels without points begin with roughly what they get in the end: not with what a surface
+// gets directly from an image or from emission, too, and not without what it gets from a sky.
+TEST(FrameEngine, RoughLightIsThatOfPixels)
+{
+    const Scene balls = load("builtin:spheres?objects=20&dynamic=0");
+    for (const Scene& scene : {load("builtin:cornell"), balls, balls.with_environment("builtin:studio")}) {
+        const RenderOptions options{.size = {64, 48}, .layers = true, .interactive = true};
+        const auto mean = [&](std::uint64_t limit) {
+            FrameInput input;
+            input.indirect_ray_limit = limit;
+            const Frame frame = Renderer(options).render(scene, input);
+            EXPECT_EQ(frame.complete, limit == 0);
+            const std::vector<float> light = frame.layer("indirect")->copy();
+            double sum = 0;
+            for (const float value : light) sum += static_cast<double>(value);
+            return sum / static_cast<double>(light.size());
+        };
+        const double rough = mean(1), whole = mean(0);
+        EXPECT_GT(whole, 0);
+        EXPECT_GT(rough, 0.6 * whole);
+        EXPECT_LT(rough, 1.5 * whole);
+    }
+}
+
 }   // namespace
 }   // namespace gnomon

@@ -2,6 +2,7 @@
 #include "irradiance_cache/light_tree/patch_light.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "base/check.h"
 
@@ -85,6 +86,7 @@ PatchLight::PatchLight(const scene::SceneState& state, const ray::RayScene& rays
                        Tasks& tasks)
     : options_(options),
       surroundings_(state.scene().background),
+      bounces_sky_(state.scene().background.kind == scene::Background::Kind::sky),
       patches_(state, rays, options.patches, tasks),
       links_(patches::link_patches(patches_, state, rays, surroundings_, tasks)),
       emission_(patches_, options.lights),
@@ -150,6 +152,7 @@ bool PatchLight::follow(const scene::SceneState& state, const ray::RayScene& ray
     if (reflects) albedo_ = patches_.albedo(state.scene(), rays, tasks);
     if (reflects && (rays.thins_light() || !links_.passes.empty())) {
         surroundings_ = patches::Surroundings(state.scene().background);
+        bounces_sky_ = state.scene().background.kind == scene::Background::Kind::sky;
         links_ = patches::link_patches(patches_, state, rays, surroundings_, tasks);
         emission_.forget();
     }
@@ -223,6 +226,69 @@ void PatchLight::light_now(std::span<const glm::vec3> lost, std::span<const glm:
         for (std::size_t p = 0; p < count; ++p) flux_[p] += area_[p] * bounced[p];
     }
     for (glm::vec3& flux : flux_) flux = glm::max(flux, glm::vec3(0));
+}
+
+std::vector<glm::vec3> PatchLight::rough_irradiance() const
+{
+    constexpr std::size_t k_most = 128;   // patches that are looked at for each
+    constexpr float k_reach = 4;          // of neighbours that count, in widths of a patch
+    constexpr float k_black = 0.05f;      // an albedo that tells little of the light
+    const std::span<const patches::Patch> all = patches_.patches();
+    const std::span<const glm::vec3> sky = links_.surroundings;
+    constexpr glm::vec3 k_unknown(-1);
+    std::vector<glm::vec3> light(all.size(), k_unknown);
+    for (PatchId p = 0; p < all.size(); ++p) {
+        if (!(luminance(albedo_[p]) > k_black) || !(area_[p] > 0)) continue;
+        // What emissive surfaces and images bring directly is not the indirect light of pixels; that of a sky is.
+        const glm::vec3 direct = emission_.static_irradiance()[p] + (bounces_sky_ ? glm::vec3(0) : sky[p]);
+        const glm::vec3 exitance = glm::max(static_flux_[p] / area_[p] - albedo_[p] * direct, glm::vec3(0));
+        light[p] = glm::vec3(luminance(exitance) / luminance(albedo_[p]));
+        for (int colour = 0; colour < 3; ++colour)
+            if (albedo_[p][colour] > k_black) light[p][colour] = exitance[colour] / albedo_[p][colour];
+    }
+    if (!bounces_sky_) return light;
+    const auto smoothen = [&](std::span<const PatchId> some) {
+        float area = 0;
+        for (const PatchId p : some) area += area_[p];
+        const float reach2 = k_reach * k_reach * area / static_cast<float>(some.size());
+        for (const PatchId p : some) {
+            glm::vec3 sum(0);
+            float weights = 0;
+            for (const PatchId q : some) {
+                const glm::vec3 way = all[q].position - all[p].position;
+                const float weight = area_[q] * std::max(1 - glm::dot(way, way) / reach2, 0.0f);
+                sum += weight * sky[q], weights += weight;
+            }
+            if (weights > 0 && light[p] != k_unknown)
+                light[p] = glm::max(light[p] + sum / weights - sky[p], glm::vec3(0));
+        }
+    };
+    // Divide the patches at the tree's quads.
+    std::vector<PatchId> together;
+    const std::function<void(std::uint32_t)> gather = [&](std::uint32_t quad) {
+        for (std::size_t n = 4 * std::size_t{quad}; n < 4 * std::size_t{quad} + 4; ++n) {
+            if (tree_.patch[n] != patches::k_no_patch) together.push_back(tree_.patch[n]);
+            if (tree_.children[n] != scene::none) gather(tree_.children[n]);
+        }
+    };
+    std::vector<std::size_t> count(tree_.children.size() / 4);   // by quad: of patches; children come after parents
+    for (std::size_t n = tree_.children.size(); n-- > 0;) {
+        if (tree_.patch[n] != patches::k_no_patch) ++count[n / 4];
+        if (tree_.children[n] != scene::none) count[n / 4] += count[tree_.children[n]];
+    }
+    std::vector<std::uint32_t> quads = tree_.roots;
+    while (!quads.empty()) {
+        const std::uint32_t quad = quads.back();
+        quads.pop_back();
+        together.clear();
+        if (count[quad] <= k_most) gather(quad);
+        for (std::size_t n = 4 * std::size_t{quad}; n < 4 * std::size_t{quad} + 4 && count[quad] > k_most; ++n) {
+            if (tree_.patch[n] != patches::k_no_patch) together.push_back(tree_.patch[n]);
+            if (tree_.children[n] != scene::none) quads.push_back(tree_.children[n]);
+        }
+        smoothen(together);
+    }
+    return light;
 }
 
 std::size_t PatchLight::bytes() const

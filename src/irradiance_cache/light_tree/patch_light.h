@@ -87,6 +87,10 @@ class PatchLight {
     const patches::Surroundings& surroundings() const { return surroundings_; }
     std::span<const glm::vec3> albedo() const { return albedo_; }
 
+    /// What a surface there gets as indirect light without dynamic objects, roughly, by patch: that of a sky is
+    /// smoothed over some dozens of patches that lie together and face the same way, because the few rays of one meet a
+    /// narrow sky by chance. Negative where a patch is too black to tell.
+    std::vector<glm::vec3> rough_irradiance() const;
     /// Radiant flux by patch: without dynamic objects, and now.
     std::span<const glm::vec3> static_flux() const { return static_flux_; }
     std::span<const glm::vec3> flux() const { return flux_; }
@@ -102,6 +106,7 @@ class PatchLight {
 
     PatchLightOptions options_;
     patches::Surroundings surroundings_;
+    bool bounces_sky_;   // the surroundings are a sky, whose light is indirect light
     patches::SurfacePatches patches_;
     patches::PatchLinks links_;
     patches::PatchEmission emission_;
