@@ -547,7 +547,7 @@ MUTATIONS = (
         "src/irradiance_cache/ray_budget.cpp", "    spent_ += static_cast<std::int64_t>(granted * cost_);\n", "",
         "unit:RayBudget.*"),
     row("rough-light-from-behind", "irradiance_cache", "what arrives on one side of a wall stands for the other side",
-        "src/irradiance_cache/points/rough_light.cpp", "(normal[axis] < 0 ? 1 : 0)", "0", "unit:RoughLight.*"),
+        "src/irradiance_cache/points/rough_light.cpp", "(negative ? 1 : 0)", "(negative ? 0 : 0)", "unit:RoughLight.*"),
     row("parts-not-moved", "ray/portable", "leaves of a subtree show the triangles of the first one",
         "src/ray/portable/tree.cpp", "TreeNode::is_leaf(own.child[c]) ? first_block[i] : first_node[i];",
         "TreeNode::is_leaf(own.child[c]) ? 0 : first_node[i];", "unit:TriangleTree.*"),

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "irradiance_cache/points/rough_light.h"
 
 namespace gnomon::irradiance_cache {
@@ -114,6 +116,21 @@ TEST(RoughLight, ChangesEvenlyAlongASurface)
         before = here;
     }
     EXPECT_NEAR(before, 10, 0.1f);
+}
+
+TEST(RoughLight, ChangesEvenlyAroundACurve)
+{
+    const glm::vec3 up(0, 1, 0), right(1, 0, 0), at(5, 0, 5);
+    RoughLight rough = in_a_room();
+    rough.note({{at, up, glm::vec3(4)}, {at, right, glm::vec3(1)}});
+    float before = rough.at(at, up).x;
+    EXPECT_GT(before, 3.2f);
+    for (float angle = 0; angle < 1.57f; angle += 0.01f) {
+        const float here = rough.at(at, {std::sin(angle), std::cos(angle), 0}).x;
+        EXPECT_NEAR(here, before, 0.1f) << angle;
+        before = here;
+    }
+    EXPECT_LT(before, 1.8f);
 }
 
 TEST(RoughLight, FollowsWhatPixelsReceive)

@@ -20,13 +20,11 @@ RoughLight::RoughLight(const Box3& bounds)
     for (int grid = 0; grid < k_grids; ++grid) inverse_width_[grid] = k_cells[grid] / diagonal;
 }
 
-RoughLight::Key RoughLight::key(const glm::ivec3& cell, const glm::vec3& normal, int grid)
+RoughLight::Key RoughLight::key(const glm::ivec3& cell, int axis, bool negative, int grid)
 {
     Key key = static_cast<Key>(grid);
-    for (int axis = 0; axis < 3; ++axis) key = key << 19 | (static_cast<Key>(cell[axis]) & 0x7ffff);
-    const glm::vec3 size = glm::abs(normal);
-    const int axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
-    return key << 3 | static_cast<Key>(2 * axis + (normal[axis] < 0 ? 1 : 0));
+    for (int i = 0; i < 3; ++i) key = key << 19 | (static_cast<Key>(cell[i]) & 0x7ffff);
+    return key << 3 | static_cast<Key>(2 * axis + (negative ? 1 : 0));
 }
 
 // A place in cells of a grid.
@@ -38,8 +36,10 @@ glm::vec3 RoughLight::place(const glm::vec3& position, int grid) const
 
 glm::vec3 RoughLight::at(const glm::vec3& position, const glm::vec3& normal) const
 {
-    // Interpolate between the middles of eight cells; leave to the next grid what too few known ones cannot bring.
-    constexpr float k_enough = 0.25f;   // of the weight: beside a surface half of the cells are empty
+    // Interpolate between the middles of eight cells, and between the axes that the surface faces by the squares of its
+    // normal's components; leave to the next grid what too few known ones cannot bring.
+    constexpr float k_least_part = 0.02f;   // of a normal's square
+    constexpr float k_enough = 0.25f;       // of the weight: beside a surface half of the cells are empty
     glm::vec3 light(0);
     float left = 1;
     for (int grid = 0; grid < k_grids; ++grid) {
@@ -49,11 +49,15 @@ glm::vec3 RoughLight::at(const glm::vec3& position, const glm::vec3& normal) con
         float weights = 0;
         for (int corner = 0; corner < 8; ++corner) {
             const glm::ivec3 side(corner & 1, corner >> 1 & 1, corner >> 2 & 1);
-            const auto found = means_.find(key(glm::ivec3(low) + side, normal, grid));
-            if (found == means_.end()) continue;
             float weight = 1;
             for (int axis = 0; axis < 3; ++axis) weight *= side[axis] ? part[axis] : 1 - part[axis];
-            sum += weight * found->second.before, weights += weight;
+            for (int axis = 0; axis < 3; ++axis) {
+                const float faces = normal[axis] * normal[axis];
+                if (!(faces > k_least_part)) continue;
+                const auto found = means_.find(key(glm::ivec3(low) + side, axis, normal[axis] < 0, grid));
+                if (found == means_.end()) continue;
+                sum += weight * faces * found->second.before, weights += weight * faces;
+            }
         }
         if (!(weights > 0)) continue;
         const float share = std::min(weights / k_enough, 1.0f);
@@ -71,8 +75,11 @@ void RoughLight::note(const std::vector<Sample>& samples)
     if (!samples.empty()) changed_.push_back(&everywhere_);
     for (const Sample& sample : samples) {
         everywhere_.sum += sample.weight * sample.irradiance, everywhere_.weight += sample.weight;
+        const glm::vec3 size = glm::abs(sample.normal);
+        const int axis = size.x > size.y ? (size.x > size.z ? 0 : 2) : (size.y > size.z ? 1 : 2);
         for (int grid = 0; grid < k_grids; ++grid) {
-            Mean& mean = means_[key(glm::ivec3(glm::floor(place(sample.position, grid))), sample.normal, grid)];
+            const glm::ivec3 cell(glm::floor(place(sample.position, grid)));
+            Mean& mean = means_[key(cell, axis, sample.normal[axis] < 0, grid)];
             if (mean.weight == 0) changed_.push_back(&mean);
             mean.sum += sample.weight * sample.irradiance, mean.weight += sample.weight;
         }

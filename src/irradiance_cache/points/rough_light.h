@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 // Remembers roughly how much bounced light arrives where, for pixels whose cache points are left to a later frame:
-// means by cells of two grids and by the axis that the surface faces. A mean over the whole image in their place would
-// make dark corners glow, and bright halls dark.
+// means by cells of two grids and by the axis that the surface faces most; between axes, it is mixed. A mean over the
+// whole image in their place would make dark corners glow, and bright halls dark.
 
 #include <cstdint>
 #include <unordered_map>
@@ -38,7 +38,7 @@ class RoughLight {
         bool known = false;    // before
     };
     using Key = std::uint64_t;
-    static Key key(const glm::ivec3& cell, const glm::vec3& normal, int grid);
+    static Key key(const glm::ivec3& cell, int axis, bool negative, int grid);
     glm::vec3 place(const glm::vec3& position, int grid) const;
 
     static constexpr int k_grids = 2;
