@@ -629,8 +629,9 @@ TEST(ViewSession, AnImageAtRestGetsItsBlurLast)
     for (const RenderMethod renderer : {RenderMethod::trace, RenderMethod::raster}) {
         ViewSession session(2), sharp_session(2);
         load(session), load(sharp_session);
-        const ViewRequest request = blurred_at_rest(session, 0.8, renderer);
-        ViewRequest sharp = at(0.8);
+        constexpr Size k_large{160, 120};   // so that the blur takes a while
+        ViewRequest request = blurred_at_rest(session, 0.8, renderer), sharp = at(0.8);
+        request.size = sharp.size = k_large;
         sharp.options.renderer = renderer;
         const auto plain = finished(sharp_session, sharp);
         session.ask(request);
