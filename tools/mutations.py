@@ -367,7 +367,7 @@ MUTATIONS = (
         "whole > 0) return 2;",
         "unit:SunViews.*", "property:GroundLight.*"),
     row("rough-light-of-images", "irradiance_cache", "pixels that lack points begin with an image's direct light",
-        "src/irradiance_cache/light_tree/patch_light.cpp", "(bounces_sky_ ? glm::vec3(0) : sky[p]);", "glm::vec3(0);",
+        "src/irradiance_cache/light_tree/patch_light.cpp", "(surroundings_.is_sky() ? glm::vec3(0) : sky[p]);", "glm::vec3(0);",
         "property:FrameEngine.RoughLight*"),
     row("links-weight", "patches", "light between patches is 3 % too strong",
         "src/patches/patch_links.cpp", "irradiance[p] = links.weight[p] * glm::vec3(sum);",

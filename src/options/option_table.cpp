@@ -189,7 +189,8 @@ constexpr Option k_options[] = {
              "of shadows, highlights, what mirrors show; with --renderer raster, edges of opaque objects and textures; one "
              "with --reference, --overlay and --as-printed"},
     {.name = "samples", .argument = "N|auto", .kind = Kind::integer_or_auto, .fallback = "1", .range = ranges::samples,
-     .subcommands = bit(view), .group = k_quality, .help = "samples per pixel; auto: as of render, and the default of images with blur"},
+     .subcommands = bit(view), .group = k_quality,
+     .help = "samples per pixel; auto: as of render, and the default of images with blur"},
     {.name = "filter", .argument = "NAME", .kind = Kind::choice, .fallback = "auto", .choices = k_choices<PixelFilter>,
      .subcommands = k_images, .group = k_quality,
      .help = "how samples make a pixel. box: their mean; gaussian, blackman-harris: smooth, with those of the pixels "

@@ -77,7 +77,7 @@ double solid_angle(int row, int rows, int columns)
 Surroundings::Surroundings(const scene::Background& background) : background_(background)
 {
     background_.sun_radiance = glm::vec3(0);
-    any_ = background.kind == scene::Background::Kind::sky;
+    any_ = is_sky();
     if (background.kind != scene::Background::Kind::image) {
         find_irradiance();
         return;

@@ -27,6 +27,8 @@ class Surroundings {
     }
     /// Whether any light comes from beyond the scene.
     bool any() const { return any_; }
+    /// Whether they are a sky, whose light pixels get as indirect light.
+    bool is_sky() const { return background_.kind == scene::Background::Kind::sky; }
     /// From a unit direction.
     glm::vec3 radiance(const glm::vec3& direction) const;
 

@@ -2,7 +2,6 @@
 #include "irradiance_cache/light_tree/patch_light.h"
 
 #include <algorithm>
-#include <functional>
 
 #include "base/check.h"
 
@@ -86,7 +85,6 @@ PatchLight::PatchLight(const scene::SceneState& state, const ray::RayScene& rays
                        Tasks& tasks)
     : options_(options),
       surroundings_(state.scene().background),
-      bounces_sky_(state.scene().background.kind == scene::Background::Kind::sky),
       patches_(state, rays, options.patches, tasks),
       links_(patches::link_patches(patches_, state, rays, surroundings_, tasks)),
       emission_(patches_, options.lights),
@@ -152,7 +150,6 @@ bool PatchLight::follow(const scene::SceneState& state, const ray::RayScene& ray
     if (reflects) albedo_ = patches_.albedo(state.scene(), rays, tasks);
     if (reflects && (rays.thins_light() || !links_.passes.empty())) {
         surroundings_ = patches::Surroundings(state.scene().background);
-        bounces_sky_ = state.scene().background.kind == scene::Background::Kind::sky;
         links_ = patches::link_patches(patches_, state, rays, surroundings_, tasks);
         emission_.forget();
     }
@@ -240,13 +237,13 @@ std::vector<glm::vec3> PatchLight::rough_irradiance() const
     for (PatchId p = 0; p < all.size(); ++p) {
         if (!(luminance(albedo_[p]) > k_black) || !(area_[p] > 0)) continue;
         // What emissive surfaces and images bring directly is not the indirect light of pixels; that of a sky is.
-        const glm::vec3 direct = emission_.static_irradiance()[p] + (bounces_sky_ ? glm::vec3(0) : sky[p]);
+        const glm::vec3 direct = emission_.static_irradiance()[p] + (surroundings_.is_sky() ? glm::vec3(0) : sky[p]);
         const glm::vec3 exitance = glm::max(static_flux_[p] / area_[p] - albedo_[p] * direct, glm::vec3(0));
         light[p] = glm::vec3(luminance(exitance) / luminance(albedo_[p]));
         for (int colour = 0; colour < 3; ++colour)
             if (albedo_[p][colour] > k_black) light[p][colour] = exitance[colour] / albedo_[p][colour];
     }
-    if (!bounces_sky_) return light;
+    if (!surroundings_.is_sky()) return light;
     const auto smoothen = [&](std::span<const PatchId> some) {
         float area = 0;
         for (const PatchId p : some) area += area_[p];
@@ -263,30 +260,14 @@ std::vector<glm::vec3> PatchLight::rough_irradiance() const
                 light[p] = glm::max(light[p] + sum / weights - sky[p], glm::vec3(0));
         }
     };
-    // Divide the patches at the tree's quads.
-    std::vector<PatchId> together;
-    const std::function<void(std::uint32_t)> gather = [&](std::uint32_t quad) {
-        for (std::size_t n = 4 * std::size_t{quad}; n < 4 * std::size_t{quad} + 4; ++n) {
-            if (tree_.patch[n] != patches::k_no_patch) together.push_back(tree_.patch[n]);
-            if (tree_.children[n] != scene::none) gather(tree_.children[n]);
-        }
-    };
-    std::vector<std::size_t> count(tree_.children.size() / 4);   // by quad: of patches; children come after parents
-    for (std::size_t n = tree_.children.size(); n-- > 0;) {
-        if (tree_.patch[n] != patches::k_no_patch) ++count[n / 4];
-        if (tree_.children[n] != scene::none) count[n / 4] += count[tree_.children[n]];
-    }
-    std::vector<std::uint32_t> quads = tree_.roots;
-    while (!quads.empty()) {
-        const std::uint32_t quad = quads.back();
-        quads.pop_back();
-        together.clear();
-        if (count[quad] <= k_most) gather(quad);
-        for (std::size_t n = 4 * std::size_t{quad}; n < 4 * std::size_t{quad} + 4 && count[quad] > k_most; ++n) {
-            if (tree_.patch[n] != patches::k_no_patch) together.push_back(tree_.patch[n]);
-            if (tree_.children[n] != scene::none) quads.push_back(tree_.children[n]);
-        }
-        smoothen(together);
+    // In the order of the tree's leaves, patches that lie together follow each other.
+    for (std::size_t r = 0; r < tree_.roots.size(); ++r) {
+        const std::size_t end = r + 1 < tree_.roots.size() ? 4 * tree_.roots[r + 1] : tree_.patch.size();
+        std::vector<PatchId> facing;
+        for (std::size_t n = 4 * tree_.roots[r]; n < end; ++n)
+            if (tree_.patch[n] != patches::k_no_patch) facing.push_back(tree_.patch[n]);
+        for (std::size_t first = 0; first < facing.size(); first += k_most)
+            smoothen(std::span(facing).subspan(first, std::min(k_most, facing.size() - first)));
     }
     return light;
 }

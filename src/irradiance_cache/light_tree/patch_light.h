@@ -106,7 +106,6 @@ class PatchLight {
 
     PatchLightOptions options_;
     patches::Surroundings surroundings_;
-    bool bounces_sky_;   // the surroundings are a sky, whose light is indirect light
     patches::SurfacePatches patches_;
     patches::PatchLinks links_;
     patches::PatchEmission emission_;
