@@ -116,6 +116,8 @@ class Blur {
     /// Selects the pixels that take the next samples.
     /// @return  false: there are none
     bool next_round(Tasks& tasks);
+    /// Of a pixel.
+    std::uint32_t most_samples() const { return totals_.back(); }
     /// How much of all rounds is done.
     /// @param times  of this round that are done
     double progress(double times) const;

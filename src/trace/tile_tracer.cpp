@@ -21,10 +21,9 @@ namespace gnomon::trace {
 namespace {
 
 constexpr std::size_t k_lobe_rays_at_once = 16384;
-constexpr std::uint32_t k_lobe_batches = 8;   // of random rays: their spread is the error
-constexpr int k_blurred_lobe_rays = 2;        // a power of two
-constexpr float k_least_lobe_rays = 1e-3f;    // as which a pixel's rays count beside its neighbours'
-constexpr std::uint32_t k_lobe_blocks = shading::k_lobe_interleave * shading::k_lobe_interleave;
+constexpr std::uint32_t k_lobe_batches = 8;    // of random rays: their spread is the error
+constexpr int k_blurred_lobe_rays = 2;         // a power of two
+constexpr float k_least_lobe_rays = 1e-3f;     // as which a pixel's rays count beside its neighbours'
 constexpr float k_least_lobe_length = 1e-6f;   // of a lobe's ray as neighbours take it, in metres
 constexpr float k_least_cosine = 0.1f;         // of the view, for the pixel's footprint
 constexpr float k_further_share = 0.25f;   // of a pixel, that a further sample makes, with those that take its light
@@ -886,22 +885,25 @@ void TileTracer::trace_lobes(int sample, Stopwatch& watch)
     const auto most = static_cast<std::uint32_t>(blur_ ? std::min(rays_of_lobe_, k_blurred_lobe_rays) : rays_of_lobe_);
     // Of many samples, the first of a pixel that show a lobe have rays, whose mean serves the others: memory has a
     // bound. The first ones are as well distributed over the pixel as all are.
-    const int casting = std::min(options_.samples, options_.lobe_rays);
+    const int casting =
+        blur_ ? static_cast<int>(blur_->most_samples()) : std::min(options_.samples, options_.lobe_rays);
     const auto samples = static_cast<std::uint32_t>(power_of_two_from(casting));
     const bool keeps = keeps_lobe_rays();
     for (std::size_t begin = 0; begin < lobe_points_.size();) {
         next_reflected_.clear(), next_refracted_.clear();
         for (; begin < lobe_points_.size() && next_reflected_.rays.size() < k_lobe_rays_at_once; ++begin) {
             const TilePoint& point = lobe_points_[begin];
-            const int number = keeps ? lobe_samples_[point.pixel] : sample;
+            const int number = keeps   ? lobe_samples_[point.pixel]
+                               : blur_ ? static_cast<int>(samples_[point.pixel].number)
+                                       : sample;
             if (keeps && number == casting) continue;
             if (keeps) ++lobe_samples_[point.pixel];
             const glm::ivec2 at = pixel_of_image(point.pixel);
             const std::uint32_t rays = number_of_lobe_rays(at, most);
             LobePath path{point.pixel + 1, 0, static_cast<float>(rays)};
             if (!options_.random_lobes) {
-                std::uint32_t block = shading::lobe_block(at.x, at.y) * samples + static_cast<std::uint32_t>(number);
-                if (blur_) block = shading::lobe_block(at.x, at.y) + k_lobe_blocks * samples_[point.pixel].number;
+                const std::uint32_t block =
+                    shading::lobe_block(at.x, at.y) * samples + static_cast<std::uint32_t>(number);
                 queue_lobe(point, block * rays, glm::uvec2(0), rays, path, 1,
                            keeps ? &lobes_->at(at.x, at.y) : nullptr);
                 continue;
