@@ -43,6 +43,8 @@ struct Board {
     glm::dvec3 at{0};
     glm::dvec3 speed{0};
     scene::ShadingModel model = scene::ShadingModel::unlit;
+    float metallic = 0;
+    double turn = 0;   // radians about Y
 };
 
 // Squares that face the viewer, who looks along -Z. At the clip's 13th frame, half a second has passed.
@@ -53,13 +55,15 @@ Scene boards(const std::vector<Board>& boards, double orthographic_height, const
         scene::Material material;
         material.model = board.model;
         material.base_color = board.color, material.roughness = 1, material.ior = 1;
+        material.metallic = board.metallic;
         scene::Mesh mesh;
         const float s = board.side / 2;
         mesh.positions = {{-s, -s, 0}, {s, -s, 0}, {s, s, 0}, {-s, s, 0}};
         mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
         mesh.parts = {{static_cast<scene::MaterialId>(made.materials.size()), 0, 2}};
         made.materials.push_back(material);
-        const NodeId node = made.add_node("board", scene::none, glm::translate(glm::dmat4(1), board.at));
+        const NodeId node = made.add_node("board", scene::none,
+                                          glm::rotate(glm::translate(glm::dmat4(1), board.at), board.turn, {0, 1, 0}));
         made.nodes[node].mesh = static_cast<scene::MeshId>(made.meshes.size());
         made.meshes.push_back(mesh);
         if (board.speed != glm::dvec3(0))
@@ -227,6 +231,29 @@ TEST(MotionBlur, EveryNumberOfSamplesHasThePixelFilter)
         }
     EXPECT_LT(largest, 0.03f);
     EXPECT_GT(largest_of_box, 0.05f);
+}
+
+// All over a rough metal that moves before a bright board, light is nearly the same. The samples of a pixel together
+// reflect by its whole lobe: if each of them took a direction near those of the others, neighbours would differ by
+// more than their mean.
+TEST(MotionBlur, ARoughMetalHasNoDots)
+{
+    const Board metal{glm::vec3(0.8f), 4, {0, 0, -2}, {0.2, 0, 0}, scene::ShadingModel::metallic_roughness, 1};
+    const Board behind_the_viewer{glm::vec3(1), 3, {1.5, 0, 2}, {}, scene::ShadingModel::unlit, 0, k_pi};
+    const Scene scene = boards({metal, behind_the_viewer}, 1);
+    RenderOptions options = options_of(k_adaptive_samples);
+    options.size = {32, 32}, options.shutter = 180;
+    const Frame frame = frame_of(scene, options);
+    double square = 0, mean = 0;
+    for (int y = 1; y < 32; ++y)
+        for (int x = 1; x < 32; ++x) {
+            const auto here = static_cast<double>(frame.layer("")->value(x, y, 1));
+            const double apart = here - static_cast<double>(frame.layer("")->value(x - 1, y, 1));
+            square += apart * apart, mean += here;
+        }
+    const double count = 31 * 31;
+    EXPECT_GT(mean / count, 0.02);
+    EXPECT_LT(std::sqrt(square / count), 0.4 * mean / count);
 }
 
 TEST(MotionBlur, AClosedShutterAndAStillSceneChangeNothing)
