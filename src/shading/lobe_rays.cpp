@@ -101,6 +101,25 @@ std::size_t lobe_rays(const SurfacePoint& s, std::uint32_t first, const glm::uve
     return count;
 }
 
+std::size_t choose_lobe_ray(const SurfacePoint& s, std::uint32_t number, LobeRay& ray)
+{
+    constexpr std::uint32_t k_candidates = 8, k_golden = 0x9e3779b9u;
+    std::array<LobeRay, k_candidates> rays;
+    const std::size_t count = lobe_rays(s, number * k_candidates, glm::uvec2(0), false, rays);
+    // Multiples of the golden section fill the unit interval evenly.
+    float left = fraction(number * k_golden);
+    for (std::size_t k = 0; k < count; ++k) {
+        const glm::vec3& weight = rays[k].weight;   // all sum to 1
+        const float share = (weight.x + weight.y + weight.z) / 3;
+        left -= share;
+        if (share > 0 && (left < 0 || k + 1 == count)) {
+            ray = {rays[k].direction, weight / share};
+            return 1;
+        }
+    }
+    return 0;
+}
+
 void widen_lobe(const ray::ObjectGeometry& geometry, std::uint32_t triangle, SurfacePoint& s)
 {
     if (s.model != scene::ShadingModel::metallic_roughness || s.specular == glm::vec3(0)) return;

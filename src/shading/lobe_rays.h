@@ -42,6 +42,12 @@ struct LobeRay {
 std::size_t lobe_rays(const SurfacePoint& s, std::uint32_t first, const glm::uvec2& flip, bool random,
                       std::span<LobeRay> rays, float* counts = nullptr);
 
+/// Finds one ray that stands for all of a lobe: one of a few, chosen as often as it brings light, with a weight of
+/// about 1. @pre has_glossy_lobe(s)
+/// @param number  of the ray: those of neighbouring numbers are well spread over the lobe together
+/// @return  1, or 0: none of them is above the surface
+std::size_t choose_lobe_ray(const SurfacePoint& s, std::uint32_t number, LobeRay& ray);
+
 /// Widens a surface's lobe by the ray cone through which it is seen: by the cone's angle, and by how much the surface
 /// turns below it. A highlight that is smaller than the part of another lobe in which it is seen would be met by few
 /// rays, and be too bright there.

@@ -155,13 +155,25 @@ void Blur::keep(image::SampleSums&& sums, const image::SampleWeights& centre, in
     others_ = std::move(sums), centre_ = centre, share_ = static_cast<float>(share), tile_ = tile;
 }
 
-void Blur::begin(Size size, int channels, float exposure)
+void Blur::begin(Size size, int channels, float exposure, std::optional<LobeImage> lobes)
 {
     GNOMON_CHECK(size.width == size_.width && size.height == size_.height);
     exposure_ = exposure;
     sums_ = ImageF(size.width, size.height, channels);
     squares_ = ImageF(size.width, size.height, 3);
+    lobes_ = lobes ? ImageF(size.width, size.height, 8) : ImageF();
     active_ = Image8(size.width, size.height, 1);
+    still_lobes_.reset();
+    if (!lobes || motion_.times > 1) return;
+    lobes->drop_rays();
+    still_lobes_.emplace(std::move(*lobes));
+}
+
+void Blur::keep_light(std::span<const ImageF* const> layers)
+{
+    if (motion_.times > 1) return;
+    for (const ImageF* layer : layers) still_.push_back(*layer);
+    for (const ImageF& layer : still_) still_layers_.push_back(&layer);
 }
 
 bool Blur::next_round(Tasks& tasks)
@@ -282,6 +294,25 @@ void Blur::add(int x, int y, const float* values)
     for (int c = 0; c < 3; ++c) square[c] += values[c] * values[c];
 }
 
+void Blur::add_lobe(int x, int y, const BlurredLobe& lobe)
+{
+    float* const sum = lobes_.pixel(x, y);
+    for (int c = 0; c < 3; ++c) sum[c] += lobe.light[c], sum[3 + c] += lobe.counts * lobe.light[c];
+    sum[6] += lobe.weight, sum[7] += lobe.counts * lobe.weight;
+}
+
+// The mean of a pixel's samples.
+void Blur::mean_of(int x, int y, std::span<float> mean) const
+{
+    const auto n = static_cast<float>(end_sample(x, y));
+    const float* const sum = sums_.pixel(x, y);
+    for (std::size_t c = 0; c < mean.size(); ++c) mean[c] = sum[c] / n;
+    if (lobes_.data.empty()) return;
+    const float* const lobe = lobes_.pixel(x, y);
+    for (std::size_t c = 0; c < 3 && lobe[7] > 0; ++c)
+        mean[c] = std::max(mean[c] + (lobe[3 + c] * (lobe[6] / lobe[7]) - lobe[c]) / n, 0.0f);
+}
+
 void Blur::finish(const std::vector<ImageF*>& layers, Tasks& tasks) const
 {
     const int columns = (size_.width + tile_ - 1) / tile_, rows = (size_.height + tile_ - 1) / tile_;
@@ -300,9 +331,7 @@ void Blur::finish(const std::vector<ImageF*>& layers, Tasks& tasks) const
         for (int y = top; y < std::min(top + tile_, size_.height); ++y)
             for (int x = left; x < std::min(left + tile_, size_.width); ++x) {
                 if (!touched(x, y)) continue;
-                const auto n = static_cast<float>(end_sample(x, y));
-                const float* const sum = sums_.pixel(x, y);
-                for (std::size_t c = 0; c < mean.size(); ++c) mean[c] = sum[c] / n;
+                mean_of(x, y, mean);
                 if (all)
                     all->add(tile, x - left, y - top, centre_, share_, mean.data(), image::LightWeight::linear);
                 else

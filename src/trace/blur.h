@@ -24,13 +24,16 @@
 // the shutter is open, is that of the shutter's middle, where the nearest pixels that show a sample's surface agree in
 // it; elsewhere, as in mirror images, that of the nearest places on the object that other samples of the frame have met
 // (bounced_places.h), where these agree. It is computed where neither does, and everywhere while a light or a material
-// changes. Of dim mirrored and refracted paths, some samples follow each. Pixels that no moving object may reach, as
-// step 2 has it, keep all of their light.
+// changes. With a lens alone, nothing moves: all light of a place is that of the frame without it, where the pixels
+// that show the place agree in it. Of dim mirrored and refracted paths, some samples follow each. Pixels that no moving
+// object may reach, as step 2 has it, keep all of their light.
 //
 // Each step reads what the step before made of the whole image, so that the result does not depend on threads. Memory:
-// 30 bytes a pixel without layers.
+// 30 bytes a pixel without layers, and 32 where the scene has rough metals; with a lens alone, 12 more, and 124 where
+// these are seen.
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "base/tasks.h"
@@ -39,6 +42,7 @@
 #include "scene/sized_light.h"
 #include "shading/centre_samples.h"
 #include "shading/frame_buffers.h"
+#include "trace/lobe_filter.h"
 #include "trace/point_batch.h"
 
 namespace gnomon::trace {
@@ -75,6 +79,12 @@ struct BlurSample {
     glm::vec2 lens{0};        // in the unit disc
     int time = 0;             // number of the pose
 };
+/// What the few rays of a sample's lobe brought, as if they told how much the lobe reflects on average.
+struct BlurredLobe {
+    glm::vec3 light{0};
+    float weight = 0;   // what all of the lobe would bring of radiance 1, the sum of three channels
+    float counts = 0;   // as how many rays each of them counts (shading/lobe_rays.h)
+};
 /// The sample of that number of a pixel. The first 8, 16, 32, 64 and 128 are each well spread over time, lens and
 /// pixel.
 BlurSample blur_sample(const glm::ivec2& pixel, std::uint32_t number, const BlurMotion& motion, bool random);
@@ -101,6 +111,13 @@ class Blur {
     int time(const glm::ivec2& pixel, std::uint32_t number) const;
     int channels() const { return sums_.channels; }
     float exposure() const { return exposure_; }
+    /// Keeps the light of the frame, unless the scene moves.
+    /// @param layers  in the order of averaged_layers(), of one sample a pixel
+    void keep_light(std::span<const ImageF* const> layers);
+    /// What was kept; empty: nothing.
+    std::span<const ImageF* const> still_layers() const { return still_layers_; }
+    /// What lobes reflect as seen through the lens's centre; null where the scene moves, as that may move with it.
+    const LobeImage* lobes() const { return still_lobes_ ? &*still_lobes_ : nullptr; }
     /// Whether samples take light from the frame at the shutter's middle.
     bool shares() const { return !options_.random && !options_.in_full && !motion_.relit; }
     bool any() const { return any_; }
@@ -110,8 +127,9 @@ class Blur {
     /// @param centre  weights of a sample at a pixel's centre
     /// @param share   that all samples of a pixel have in the sums
     void keep(image::SampleSums&& sums, const image::SampleWeights& centre, int share, int tile);
-    /// The number of values of each sample, in the order of averaged_layers().
-    void begin(Size size, int channels, float exposure);
+    /// @param channels  values of each sample, in the order of averaged_layers()
+    /// @param lobes     of the frame; none: add_lobe() is not called
+    void begin(Size size, int channels, float exposure, std::optional<LobeImage> lobes);
 
     /// Selects the pixels that take the next samples.
     /// @return  false: there are none
@@ -130,6 +148,9 @@ class Blur {
     std::uint32_t end_sample(int x, int y) const { return totals_[*rounds_.pixel(x, y) - std::size_t{2}]; }
     /// Adds a sample of an active pixel. Tasks may do so at once for different pixels.
     void add(int x, int y, const float* values);
+    /// Adds what lobes brought of the sample that was added last. The samples of a pixel know better together how much
+    /// lobes reflect: in the mean, each counts as its rays do.
+    void add_lobe(int x, int y, const BlurredLobe& lobe);
 
     /// Writes the touched pixels, and with kept sums all of them.
     void finish(const std::vector<ImageF*>& layers, Tasks& tasks) const;
@@ -151,6 +172,7 @@ class Blur {
     float error_at(int x, int y, std::uint32_t samples) const;
     int most_rounds() const;
     std::size_t next_total(int x, int y) const;
+    void mean_of(int x, int y, std::span<float> mean) const;
 
     BlurMotion motion_;
     BlurOptions options_;
@@ -165,6 +187,10 @@ class Blur {
     Image8 active_;    // of the round
     ImageF sums_;      // of samples
     ImageF squares_;   // of their colours
+    ImageF lobes_;     // of their lobes: light, counted light, weight, counted weight; empty: there are none
+    std::vector<ImageF> still_;
+    std::vector<const ImageF*> still_layers_;   // these
+    std::optional<LobeImage> still_lobes_;
     std::optional<image::SampleSums> others_;
     image::SampleWeights centre_;
     float share_ = 1;

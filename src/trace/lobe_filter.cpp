@@ -16,6 +16,27 @@ namespace {
 
 const LobePixel k_no_lobe;
 
+// Of the rays of a pixel.
+struct Sums {
+    glm::vec3 weight{0}, counted{0};   // counted: each times its sample's rays
+    float least = k_infinity, most = 0;
+
+    void add(const LobeRay& ray)
+    {
+        weight += ray.weight, counted += ray.counts * ray.weight;
+        least = std::min(least, ray.counts), most = std::max(most, ray.counts);
+    }
+    // By which a ray's light and weight are multiplied, so that their sum remains.
+    glm::vec3 part_of(const LobeRay& ray) const
+    {
+        glm::vec3 part(1);
+        if (least == most) return part;
+        for (int c = 0; c < 3; ++c)
+            if (counted[c] > 0) part[c] = ray.counts * (weight[c] / counted[c]);
+        return part;
+    }
+};
+
 }   // namespace
 
 LobeImage::LobeImage(Size size, int side)
@@ -64,20 +85,29 @@ void LobeImage::set_rays(int left, int top, std::span<const std::uint32_t> pixel
     for (const std::uint32_t p : pixels) ++to.first[p + 1];
     for (std::size_t p = 1; p < to.first.size(); ++p) to.first[p] += to.first[p - 1];
     std::vector<std::uint32_t> next(to.first.begin(), to.first.end() - 1);
+    std::vector<Sums> sums(to.first.size() - 1);
+    for (std::size_t i = 0; i < rays.size(); ++i) sums[pixels[i]].add(rays[i]);
     to.rays.resize(rays.size());
-    std::vector<glm::vec3> weights(to.first.size() - 1, glm::vec3(0));   // of the samples that have rays
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        to.rays[next[pixels[i]]++] = packed(rays[i]);
-        tiles_[tile][pixels[i]].light += rays[i].light;
-        weights[pixels[i]] += rays[i].weight;
+        LobeRay ray = rays[i];
+        const glm::vec3 part = sums[pixels[i]].part_of(ray);
+        ray.light *= part, ray.weight *= part;
+        to.rays[next[pixels[i]]++] = packed(ray);
+        tiles_[tile][pixels[i]].light += ray.light;
     }
-    for (std::size_t p = 0; p < weights.size(); ++p) {
+    for (std::size_t p = 0; p < sums.size(); ++p) {
         LobePixel& pixel = tiles_[tile][p];
+        const glm::vec3& weight = sums[p].weight;
         for (int c = 0; c < 3; ++c)
-            if (weights[p][c] > 0) pixel.light[c] *= pixel.weight[c] / weights[p][c];
+            if (weight[c] > 0) pixel.light[c] *= pixel.weight[c] / weight[c];
         const float all = pixel.weight.x + pixel.weight.y + pixel.weight.z;
-        if (all > 0) pixel.cast = (weights[p].x + weights[p].y + weights[p].z) / all;
+        if (all > 0) pixel.cast = (weight.x + weight.y + weight.z) / all;
     }
+}
+
+void LobeImage::drop_rays()
+{
+    for (Rays& rays : rays_) rays = {};
 }
 
 std::size_t LobeImage::bytes_of_rays() const

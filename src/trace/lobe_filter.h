@@ -50,6 +50,7 @@ struct LobeRay {
     glm::vec3 light{0};    // what it brings
     glm::vec3 weight{0};   // what it would bring of radiance 1
     float density = 0;     // of the rays of the window around, where it ends, a pixel; LobeImage finds it
+    float counts = 1;      // as how many rays those of its sample count; the same for all of these
 };
 
 struct PackedLobeRay;   // as it is kept
@@ -63,7 +64,7 @@ struct LobePixel {
     float width = 0;                     // shading::lobe_width()
     float scale = 0;                     // see set_lobe()
     float footprint = 0;                 // of the pixel on the surface, its longer axis
-    float rays = 1;                      // as which those that found `light` count
+    float rays = 1;                      // as which those that found `light` count, of all samples
     float cast = 1;                      // part of `weight` that is of samples with rays
     // Of its light, what counts for neighbours without asking their lobes, which are the same for its rays; and of its
     // rays, what counts by their densities: LobeImage finds them.
@@ -124,7 +125,9 @@ class LobeImage {
     /// neighbours in a rectangle, in which it lies.
     float rays_wanted(int x, int y, int left, int top, int width, int height,
                       const LobeFilterOptions& options = {}) const;
-    /// Hands over the rays of a tile's pixels, once. Samples that have none get the light of those that do.
+    /// Hands over the rays of a tile's pixels, once. Those of a sample bring together what its lobe would bring of
+    /// radiance 1. From here on, they bring that part of a pixel's sum which they count for: few rays say little about
+    /// how much their lobe reflects on average. Samples that have none get the light of those that do.
     /// @param left, top  of the tile
     /// @param pixels     by ray: its pixel, of the tile
     void set_rays(int left, int top, std::span<const std::uint32_t> pixels, std::span<const LobeRay> rays);
@@ -138,6 +141,8 @@ class LobeImage {
     /// the steps of add_to().
     glm::vec3 gathered(int x, int y, const LobeFilterOptions& options = {}) const;
     glm::vec3 mean(int x, int y, const LobeFilterOptions& options = {}) const;
+    /// Frees the memory of the rays, once they are filtered.
+    void drop_rays();
     /// Bytes of the rays.
     std::size_t bytes_of_rays() const;
 

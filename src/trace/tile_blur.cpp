@@ -32,6 +32,7 @@ void TileTracer::blur(const Tile& tile, Blur& blur, int time)
             values_of(i, values.data());
             const glm::ivec2 at = tile_.pixel_of_image(some[i].pixel);
             blur.add(at.x, at.y, values.data());
+            if (!blurred_lobes_.empty()) blur.add_lobe(at.x, at.y, blurred_lobes_[i]);
         }
     }
     blur_ = nullptr;
@@ -44,7 +45,7 @@ void TileTracer::shade_blurred(std::span<const FurtherSample> samples, const Blu
     Stopwatch watch(times_);
     samples_ = samples;
     clear_sums(samples.size());
-    lobe_light_.clear();
+    lobe_light_.clear(), blurred_lobes_.clear();
     pixels_.resize(samples.size());
     primary_.clear();
     const scene::Lens& lens = blur.options().lens;
@@ -68,7 +69,105 @@ void TileTracer::shade_blurred(std::span<const FurtherSample> samples, const Blu
     counters_.samples.shaded += samples.size();
     counters_.primary_rays += samples.size();
     shade_sample(1, watch);
-    for (std::size_t i = 0; i < samples.size() && !lobe_light_.empty(); ++i) color_[i] += lobe_light_[i];
+    for (std::size_t i = 0; i < samples.size() && !lobe_light_.empty(); ++i) {
+        color_[i] += lobe_light_[i];
+        if (!blurred_lobes_.empty()) blurred_lobes_[i].light = lobe_light_[i];
+    }
+}
+
+// Notes what the rays of a sample's lobe say about how much lobes reflect.
+// @param counts  as how many rays each of them counts
+void TileTracer::note_blurred_lobe(const TilePoint& point, float counts)
+{
+    if (blurred_lobes_.empty()) blurred_lobes_.resize(color_.size());
+    const glm::vec3 weight = point.throughput * point.next.lobe_weight;
+    blurred_lobes_[point.pixel] = {glm::vec3(0), weight.x + weight.y + weight.z, counts};
+}
+
+// Gives a sample the light that the image through the lens's centre shows of its place, if the pixels around there show
+// its surface and agree.
+bool TileTracer::take_still_light(const TilePoint& point, scene::ObjectId object, std::uint32_t triangle)
+{
+    const std::span<const ImageF* const> layers = blur_->still_layers();
+    const shading::SurfacePoint& s = point.surface;
+    if (layers.empty() || !centres_ || !blur_->shares() || view_.orthographic || point.behind) return false;
+    const std::optional<glm::dvec2> place = view_.project(glm::dvec3(s.position));
+    if (!place) return false;
+    const glm::ivec2 at(glm::floor(*place));
+    if (!centres_->inside(at.x - 1, at.y - 1) || !centres_->inside(at.x + 1, at.y + 1)) return false;
+    // What depends on the view must change slowly with it.
+    const bool same_from_everywhere = s.specular == glm::vec3(0) && !centres_->at(at.x, at.y).mirrors;
+    if (!same_from_everywhere && (s.layered || s.transmitted != glm::vec3(0) ||
+                                  s.model == scene::ShadingModel::whitted || !lens_turns_little(s)))
+        return false;
+
+    shading::RefineOptions options = options_.refine;
+    options.exposure = blur_->exposure();
+    shading::CentreSample own = centre_sample(s, object, triangle);
+    const ImageF& color = *layers.front();
+    glm::vec3 low(k_infinity), high(0);
+    for (int i = 0; i < 9; ++i) {
+        const glm::ivec2 there = at + glm::ivec2(i % 3 - 1, i / 3 - 1);
+        const shading::CentreSample& other = centres_->at(there.x, there.y);
+        if (!shading::same_surface(own, other, options)) return false;
+        const float* const from = color.pixel(there.x, there.y);
+        const glm::vec3 seen = shading::shown(
+            shading::relit(glm::vec3(from[0], from[1], from[2]), other, own.reflectance), options.exposure);
+        low = glm::min(low, seen), high = glm::max(high, seen);
+    }
+    if (shading::difference(high, low) > options.agree) return false;
+
+    // Interpolate between the four pixels around.
+    --counters_.samples.shaded;
+    const glm::dvec2 from = glm::floor(*place - 0.5);
+    const glm::vec2 part(*place - 0.5 - from);
+    for (int k = 0; k < 4; ++k) {
+        const glm::ivec2 there = glm::ivec2(from) + glm::ivec2(k & 1, k >> 1);
+        const float near = ((k & 1) != 0 ? part.x : 1 - part.x) * (k >> 1 != 0 ? part.y : 1 - part.y);
+        if (near == 0) continue;
+        single_values(layers, there);
+        add_share(point.pixel, own, centres_->at(there.x, there.y), near, single_values_.data());
+    }
+    return true;
+}
+
+// Whether the view turns by less than a surface's lobe is wide, between a place of the lens and its centre. The samples
+// of a pixel turn it to all sides.
+bool TileTracer::lens_turns_little(const shading::SurfacePoint& s) const
+{
+    constexpr float k_turn = 0.5f;   // in widths of the lobe
+    const glm::vec3 turn = glm::normalize(view_.eye - s.position) - s.to_viewer;
+    return glm::length(turn) <= k_turn * shading::lobe_width(s.roughness);
+}
+
+// Gives the lobe of a sample what the image through the lens's centre shows of it, where that shows its surface.
+bool TileTracer::take_still_lobe(const TilePoint& point, const shadow_culling::ShadowPoint& at)
+{
+    const LobeImage* const lobes = blur_->lobes();
+    if (!lobes || !centres_ || !blur_->shares() || view_.orthographic) return false;
+    const shading::SurfacePoint& s = point.surface;
+    if (!lens_turns_little(s)) return false;
+    const std::optional<glm::dvec2> place = view_.project(glm::dvec3(s.position));
+    if (!place) return false;
+
+    // Interpolate between the pixels around.
+    const shading::CentreSample own = centre_sample(s, at.object, at.triangle);
+    const glm::dvec2 from = glm::floor(*place - 0.5);
+    const glm::vec2 part(*place - 0.5 - from);
+    glm::vec3 brought(0), weight(0);
+    for (int k = 0; k < 4; ++k) {
+        const glm::ivec2 there = glm::ivec2(from) + glm::ivec2(k & 1, k >> 1);
+        if (!centres_->inside(there.x, there.y)) continue;
+        if (!shading::same_surface(own, centres_->at(there.x, there.y), options_.refine)) continue;
+        const float near = ((k & 1) != 0 ? part.x : 1 - part.x) * (k >> 1 != 0 ? part.y : 1 - part.y);
+        const LobePixel& pixel = lobes->at(there.x, there.y);
+        brought += near * pixel.filtered, weight += near * pixel.weight;
+    }
+    if (weight == glm::vec3(0)) return false;
+    for (int c = 0; c < 3; ++c)
+        if (weight[c] > 0)
+            color_[point.pixel][c] += point.throughput[c] * point.next.lobe_weight[c] * (brought[c] / weight[c]);
+    return true;
 }
 
 // Gives a sample the bounced light of the shutter's middle, where pixels around it show the same surface and agree in

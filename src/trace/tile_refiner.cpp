@@ -97,7 +97,7 @@ void TileTracer::refine(const Tile& tile, const Refinement& refinement, RefinedP
         const float share = 1.0f / static_cast<float>(1 + further);
         const glm::ivec2 at = tile_.pixel_of_image(refined_[r].pixel);
         const int x = at.x - tile_.x, y = at.y - tile_.y;
-        single_values(at);
+        single_values(refinement.layers, at);
         refinement.sums.add(number, x, y, refinement.weights[0], share, single_values_.data());
         for (std::size_t k = 0; k < static_cast<std::size_t>(further); ++k)
             refinement.sums.add(number, x, y, refinement.weights[k + 1], share,
@@ -120,7 +120,7 @@ void TileTracer::add_single(const Tile& tile, const Refinement& refinement, cons
                 continue;
             }
             const bool color_alone = refinement.layers.size() == 1;
-            if (!color_alone) single_values(at);
+            if (!color_alone) single_values(refinement.layers, at);
             refinement.sums.add(number_of(tile), x, y, refinement.lone, 1,
                                 color_alone ? refinement.layers[0]->pixel(at.x, at.y) : single_values_.data());
         }
@@ -144,7 +144,7 @@ void TileTracer::add_texture(const glm::ivec2& at, const Refinement& refinement)
     const shading::CentreSample& centre = refinement.centres.at(at.x, at.y);
     TextureLight light;
     find_texture_light(at, light);
-    single_values(at);
+    single_values(refinement.layers, at);
     refinement.sums.add(number, x, y, refinement.weights[0], share, single_values_.data());
     const shading::TriangleReflectance triangle(scene_, rays_.geometry(centre.object), centre.triangle);
     for (int k = 0; k < samples; ++k) {
@@ -182,7 +182,7 @@ void TileTracer::find_texture_light(const glm::ivec2& at, TextureLight& light)
         const int i = light.pixels[static_cast<std::size_t>(j)];
         const glm::ivec2 there = at + glm::ivec2(i % 3 - 1, i / 3 - 1);
         const shading::CentreSample& other = refinement_->centres.at(there.x, there.y);
-        single_values(there);
+        single_values(refinement_->layers, there);
         light.mirrored[j] = other.mirrored;
         for (int c = 0; c < 3; ++c) single_values_[static_cast<std::size_t>(c)] -= other.mirrored[c];
         float* const to = values_.data() + static_cast<std::size_t>(j) * channels;
@@ -397,7 +397,7 @@ bool TileTracer::take_agreed(const FurtherSample& sample, std::uint32_t to, shad
     for (int i = 0; i < 9; ++i) {
         if (weights[i] == 0) continue;
         const glm::ivec2 there = at + glm::ivec2(i % 3 - 1, i / 3 - 1);
-        single_values(there);
+        single_values(refinement_->layers, there);
         add_share(to, own, refinement_->centres.at(there.x, there.y), weights[i] / sum, single_values_.data());
     }
     // Near black, the parabolas may pass below it.
@@ -523,7 +523,7 @@ bool TileTracer::take_nearest(const TilePoint& point, shading::CentreSample& own
         if (weights[i] == 0) continue;
         if (i < 9) {
             const glm::ivec2 there = at + glm::ivec2(i % 3 - 1, i / 3 - 1);
-            single_values(there);
+            single_values(refinement_->layers, there);
             add_share(point.pixel, own, refinement_->centres.at(there.x, there.y), weights[i] / sum,
                       single_values_.data());
         } else {
@@ -557,10 +557,10 @@ void TileTracer::add_share(std::uint32_t to, shading::CentreSample& own, const s
 }
 
 // The values of a pixel's first sample, in the order of averaged_layers().
-void TileTracer::single_values(const glm::ivec2& pixel)
+void TileTracer::single_values(std::span<const ImageF* const> layers, const glm::ivec2& pixel)
 {
     single_values_.clear();
-    for (const ImageF* layer : refinement_->layers) {
+    for (const ImageF* layer : layers) {
         const float* const from = layer->pixel(pixel.x, pixel.y);
         single_values_.insert(single_values_.end(), from, from + layer->channels);
     }

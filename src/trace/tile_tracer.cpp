@@ -83,9 +83,7 @@ TileTracer::TileTracer(const FrameContext& frame, const TracedOptions& options, 
       places_(places),
       lobes_(lobes)
 {
-    if (options.max_depth > 0 && options.lobe_rays > 0)
-        rays_of_lobe_ =
-            static_cast<int>(std::bit_floor(static_cast<unsigned>(std::max(options.lobe_rays / options.samples, 1))));
+    if (options.max_depth > 0 && options.lobe_rays > 0) rays_of_lobe_ = rays_of_each(options.samples);
     if (options.random_lobes) rays_of_lobe_ = std::max(rays_of_lobe_, static_cast<int>(k_lobe_batches));
     if (sized.lights) sized_.emplace(*sized.lights, *sized.visibility, rays_);
     if (environment) environment_.emplace(*environment, rays_);
@@ -283,6 +281,12 @@ void TileTracer::add_samples(int sample, image::SampleSums& sums, const Blur* le
     clear_sums(color_.size());
 }
 
+// How many rays the lobe of each sample of a pixel has at most.
+int TileTracer::rays_of_each(int samples) const
+{
+    return static_cast<int>(std::bit_floor(static_cast<unsigned>(std::max(options_.lobe_rays / samples, 1))));
+}
+
 std::size_t TileTracer::number_of(const Tile& tile) const
 {
     const int columns = (view_.size.width + options_.tile - 1) / options_.tile;
@@ -413,7 +417,8 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample, bo
             ray.nearness = 1 / std::max(hits_.t[i], k_least_lobe_length);
             ray.normal = s.geometric_normal;
         }
-        if (primary && refinement_ && take_light(point, hits_.object[i], hits_.triangle[i])) {
+        if (primary && ((refinement_ && take_light(point, hits_.object[i], hits_.triangle[i])) ||
+                        (blur_ && take_still_light(point, hits_.object[i], hits_.triangle[i])))) {
             points_.pop_back();
             continue;
         }
@@ -782,16 +787,23 @@ void TileTracer::queue_continuations(bool primary)
 // Queues rays of a point's lobe.
 // @param first  of the pattern
 // @param share  of the lobe's light that these rays bring
-// @param kept   optional: takes as how many rays they count
+// @param found  optional: takes as how many rays they count
+// @param kept   optional: its rays are kept for the filter
 void TileTracer::queue_lobe(const TilePoint& point, std::uint32_t first, const glm::uvec2& flip, std::size_t rays,
-                            const LobePath& path, float share, LobePixel* kept)
+                            const LobePath& path, float share, float* found, LobePixel* kept)
 {
     const shading::SurfacePoint& s = point.surface;
     lobe_rays_.resize(rays);
     float counts = 0;
-    std::size_t count = shading::lobe_rays(s, first, flip, options_.random_lobes, lobe_rays_, &counts);
-    if (kept) kept->rays = std::max(counts, k_least_lobe_rays);
+    // A ray that stands for a whole lobe is one of several: alone, it would show what the lobe's rays meet without
+    // regard to how much of that each of them reflects.
+    std::size_t count = rays == 1 && !found && !options_.random_lobes
+                            ? shading::choose_lobe_ray(s, first, lobe_rays_.front())
+                            : shading::lobe_rays(s, first, flip, options_.random_lobes, lobe_rays_, &counts);
+    counts = std::max(counts, k_least_lobe_rays);
     if (count == 0 && !options_.random_lobes) lobe_rays_[count++] = {point.next.reflected, glm::vec3(1)};
+    if (found) *found = counts;
+    if (kept) kept->rays += counts;
     // Each ray shows what lies in its part of the lobe.
     shading::RayCone cone = s.cone;
     const float divided = std::max(path.rays, 1.0f);
@@ -802,7 +814,7 @@ void TileTracer::queue_lobe(const TilePoint& point, std::uint32_t first, const g
         LobePath lobe = path;
         if (kept) {
             LobeRay& ray = kept_rays_.emplace_back();
-            ray.direction = lobe_rays_[k].direction, ray.weight = throughput;
+            ray.direction = lobe_rays_[k].direction, ray.weight = throughput, ray.counts = counts;
             kept_pixels_.push_back(point.pixel);
             lobe_light_.emplace_back(0);
             lobe.light = static_cast<std::uint32_t>(kept_rays_.size());
@@ -833,7 +845,7 @@ void TileTracer::queue_nested_lobe(const TilePoint& point)
         // Another order of the numbers of the first lobe.
         first = (first * 5 + 3) % 1024;
     }
-    queue_lobe(point, first, flip, rays, path, 1);
+    queue_lobe(point, first, flip, rays, path, 1, nullptr, nullptr);
 }
 
 // Keeps the primary hits that have a lobe.
@@ -843,18 +855,18 @@ void TileTracer::keep_lobes(int sample)
     if (spreads_lobes_) lobe_weights_.assign(color_.size(), glm::vec3(0));
     for (const TilePoint& point : points_) {
         if (point.next.lobe_weight == glm::vec3(0)) continue;
-        if (refinement_ && take_lobe(point, shadow_points_[static_cast<std::size_t>(&point - points_.data())]))
-            continue;
+        const shadow_culling::ShadowPoint& at = shadow_points_[static_cast<std::size_t>(&point - points_.data())];
+        if ((refinement_ && take_lobe(point, at)) || (blur_ && take_still_lobe(point, at))) continue;
         lobe_points_.push_back(point);
         if (!keeps_lobe_rays()) continue;
-        const glm::ivec2 at = pixel_of_image(point.pixel);
-        LobePixel& pixel = lobes_->at(at.x, at.y);
+        const glm::ivec2 shown = pixel_of_image(point.pixel);
+        LobePixel& pixel = lobes_->at(shown.x, shown.y);
         const glm::vec3 weight = point.throughput * point.next.lobe_weight;
         pixel.weight += weight;
         if (spreads_lobes_) lobe_weights_[point.pixel] += weight;
         if (sample != 0) continue;
         const shading::SurfacePoint& s = point.surface;
-        pixel.position = s.position, pixel.axis = point.next.reflected;
+        pixel.position = s.position, pixel.axis = point.next.reflected, pixel.rays = 0;
         pixel.set_lobe(s.normal, s.to_viewer, shading::lobe_width(s.roughness),
                        shading::glossy_density(s, point.next.reflected));
         pixel.footprint = s.cone.width / std::max(glm::dot(s.geometric_normal, s.to_viewer), k_least_cosine);
@@ -881,8 +893,9 @@ std::uint32_t TileTracer::number_of_lobe_rays(const glm::ivec2& pixel, std::uint
 // Traces the rays of the kept points, and what follows from them, some points at a time.
 void TileTracer::trace_lobes(int sample, Stopwatch& watch)
 {
-    // The samples of time and lens have few rays each, and patterns of their own.
-    const auto most = static_cast<std::uint32_t>(blur_ ? std::min(rays_of_lobe_, k_blurred_lobe_rays) : rays_of_lobe_);
+    // Many samples of time and lens have few rays each. They have patterns of their own.
+    const auto most = static_cast<std::uint32_t>(
+        blur_ ? std::max(rays_of_each(static_cast<int>(blur_->most_samples())), k_blurred_lobe_rays) : rays_of_lobe_);
     // Of many samples, the first of a pixel that show a lobe have rays, whose mean serves the others: memory has a
     // bound. The first ones are as well distributed over the pixel as all are.
     const int casting =
@@ -904,8 +917,10 @@ void TileTracer::trace_lobes(int sample, Stopwatch& watch)
             if (!options_.random_lobes) {
                 const std::uint32_t block =
                     shading::lobe_block(at.x, at.y) * samples + static_cast<std::uint32_t>(number);
-                queue_lobe(point, block * rays, glm::uvec2(0), rays, path, 1,
+                float counts = 0;
+                queue_lobe(point, block * rays, glm::uvec2(0), rays, path, 1, &counts,
                            keeps ? &lobes_->at(at.x, at.y) : nullptr);
+                if (blur_) note_blurred_lobe(point, counts / static_cast<float>(rays));
                 continue;
             }
             const auto pixel = static_cast<std::uint64_t>(at.y) << 32 | static_cast<std::uint64_t>(at.x);
@@ -913,7 +928,7 @@ void TileTracer::trace_lobes(int sample, Stopwatch& watch)
                 queue_lobe(point, 0,
                            random_flip(options_.lobe_seed + pixel,
                                        static_cast<std::uint64_t>(sample) * k_lobe_batches + batch),
-                           rays / k_lobe_batches, path, 1.0f / k_lobe_batches);
+                           rays / k_lobe_batches, path, 1.0f / k_lobe_batches, nullptr, nullptr);
                 path.light += static_cast<std::uint32_t>(color_.size());
             }
         }

@@ -107,7 +107,7 @@ class TileTracer {
     // Of TileTracer::refine() (tile_refiner.cpp).
     void find_refined(const RefinedPixels& pixels);
     bool finds_surface(const Refined& refined, const float* values, const shading::CentreSample& met) const;
-    void single_values(const glm::ivec2& pixel);
+    void single_values(std::span<const ImageF* const> layers, const glm::ivec2& pixel);
     void shade_samples(std::span<const FurtherSample> samples);
     void take_samples(const Refinement& refinement, std::span<const std::uint32_t> refined, int first, int end);
     bool take_light(const TilePoint& point, scene::ObjectId object, std::uint32_t triangle);
@@ -158,6 +158,10 @@ class TileTracer {
     // Of TileTracer::blur() (tile_blur.cpp).
     Bounced take_still_bounced(const TilePoint& point, scene::ObjectId object, std::uint32_t triangle);
     void shade_blurred(std::span<const FurtherSample> samples, const Blur& blur);
+    void note_blurred_lobe(const TilePoint& point, float counts);
+    bool take_still_light(const TilePoint& point, scene::ObjectId object, std::uint32_t triangle);
+    bool lens_turns_little(const shading::SurfacePoint& s) const;
+    bool take_still_lobe(const TilePoint& point, const shadow_culling::ShadowPoint& at);
     bool take_lobe(const TilePoint& point, const shadow_culling::ShadowPoint& at);
     shading::CentreSample centre_sample(const shading::SurfacePoint& s, scene::ObjectId object,
                                         std::uint32_t triangle) const;
@@ -221,10 +225,11 @@ class TileTracer {
     bool goes_on(Path& path) const;
     void queue_continuations(bool primary);
     void queue_lobe(const TilePoint& point, std::uint32_t first, const glm::uvec2& flip, std::size_t rays,
-                    const LobePath& path, float share, LobePixel* kept = nullptr);
+                    const LobePath& path, float share, float* found, LobePixel* kept);
     void queue_nested_lobe(const TilePoint& point);
     void follow_paths(int sample, Stopwatch& watch);
     void keep_lobes(int sample);
+    int rays_of_each(int samples) const;
     std::uint32_t number_of_lobe_rays(const glm::ivec2& pixel, std::uint32_t most);
     void trace_lobes(int sample, Stopwatch& watch);
     void add_color(std::uint32_t pixel, const LobePath& lobe, const glm::vec3& radiance);
@@ -316,7 +321,8 @@ class TileTracer {
     std::vector<glm::vec3> lobe_light_;
     std::vector<std::uint32_t> kept_pixels_;   // by ray that is kept: its pixel of the tile
     std::vector<LobeRay> kept_rays_;
-    std::vector<int> lobe_samples_;   // by pixel of the tile: how many have such rays
+    std::vector<int> lobe_samples_;            // by pixel of the tile: how many have such rays
+    std::vector<BlurredLobe> blurred_lobes_;   // by sample of time and lens; empty: none had a lobe
 };
 
 }   // namespace gnomon::trace

@@ -405,7 +405,8 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
 
     if (blur) blur->select(scratch.centres, state, view, techniques.sized, tasks);
     if (options.adaptive) take_further_samples(scratch, pass.lobes, options, pass, tasks, out, blur);
-    if (blur && blur->any()) blur->begin(size, channels_of(out, options), exposure_of(out, options));
+    if (blur && blur->any() && options.adaptive) blur->keep_light(averaged_layers(std::as_const(out), options));
+    if (blur && blur->any()) blur->begin(size, channels_of(out, options), exposure_of(out, options), std::move(lobes));
     return pass.end();
 }
 

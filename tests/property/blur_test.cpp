@@ -256,6 +256,31 @@ TEST(MotionBlur, ARoughMetalHasNoDots)
     EXPECT_LT(std::sqrt(square / count), 0.4 * mean / count);
 }
 
+// What few rays of a sample bring says little about how much of it the lobe reflects.
+TEST(MotionBlur, ARoughMetalReflectsAsMuchWithAnyNumberOfSamples)
+{
+    const Board metal{glm::vec3(0.8f), 4, {0, 0, -2}, {0.2, 0, 0}, scene::ShadingModel::metallic_roughness, 1};
+    const Board behind_the_viewer{glm::vec3(1), 3, {1.5, 0, 2}, {}, scene::ShadingModel::unlit, 0, k_pi};
+    const Scene scene = boards({metal, behind_the_viewer}, 1);
+    const auto sum = [&](const RenderOptions& options) {
+        const Frame frame = frame_of(scene, options);
+        double all = 0;
+        for (int y = 0; y < 32; ++y)
+            for (int x = 0; x < 32; ++x) all += static_cast<double>(frame.layer("")->value(x, y));
+        return all;
+    };
+    RenderOptions options = options_of(1);
+    options.size = {32, 32};
+    options.reference = ReferenceLightOptions{.spp = 1024};
+    const double right = sum(options);
+    options.reference.reset();
+    for (const double shutter : {0.0, 180.0})
+        for (const int samples : {1, 2, 4, 16, 64, int{k_adaptive_samples}}) {
+            options.shutter = shutter, options.samples = samples;
+            EXPECT_NEAR(sum(options), right, 0.04 * right) << "shutter " << shutter << ", samples " << samples;
+        }
+}
+
 TEST(MotionBlur, AClosedShutterAndAStillSceneChangeNothing)
 {
     const Scene moving = load("builtin:spheres?objects=20&dynamic=20&vertices=200");
@@ -375,7 +400,7 @@ TEST(DepthOfField, BouncedLightIsThatOfTheFrameWithoutLens)
 }
 
 // A metal ball in a room that is lit by bounces.
-Scene chrome(float reflectance)
+Scene chrome(float reflectance, float roughness = 0)
 {
     SceneBuilder builder;
     const auto quad = [&](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, const Vec3& color) {
@@ -405,7 +430,8 @@ Scene chrome(float reflectance)
         }
     const MeshId ball = builder.mesh({.positions = positions, .indices = indices, .normals = normals});
     builder.instance(
-        ball, builder.material({.base_color = {reflectance, reflectance, reflectance}, .metallic = 1, .roughness = 0}));
+        ball, builder.material(
+                  {.base_color = {reflectance, reflectance, reflectance}, .metallic = 1, .roughness = roughness}));
     builder.light({.color = {20, 20, 20}}, Transform::translation(0.7, 3.5, 0.7));
     Camera camera;
     camera.transform = Transform::translation(0, 1.2, 4.5);
@@ -418,12 +444,13 @@ struct Blurred {
     FrameCounters counters;
 };
 
-// 64 samples through a lens.
+// Samples through a lens.
 Blurred blurred(const Scene& scene, bool in_full, std::optional<double> focus = {},
-                Indirect indirect = Indirect::visible, const Size& size = {64, 48})
+                Indirect indirect = Indirect::visible, const Size& size = {64, 48}, int samples = 64)
 {
     frame::FrameEngine engine({.threads = 2});
-    const RenderOptions options{.samples = 64, .aperture = 40, .focus = focus, .exposure = 0, .indirect = indirect};
+    const RenderOptions options{
+        .samples = samples, .aperture = 40, .focus = focus, .exposure = 0, .indirect = indirect};
     engine.advance(api::scene_of(scene), 0, options);
     frame::RenderRequest request;
     request.shutter.emplace();
@@ -453,6 +480,32 @@ TEST(DepthOfField, MirroredBouncedLightIsSharedBetweenSamples)
     const auto values = static_cast<double>(shared.color.data.size());
     EXPECT_LT(std::sqrt(square / values), 0.004);
     EXPECT_LT(std::abs(more / values), 0.0005);
+}
+
+// Where the frame without lens changes evenly, samples take its light; and that of lobes wherever it shows their
+// surface.
+TEST(DepthOfField, LightIsThatOfTheFrameWithoutLens)
+{
+    for (const float roughness : {0.0f, 1.0f}) {
+        const Scene scene = chrome(0.9f, roughness);
+        const auto render = [&](bool in_full) {
+            return blurred(scene, in_full, 2, Indirect::visible, {96, 72}, k_adaptive_samples);
+        };
+        const Blurred taken = render(false), computed = render(true);
+        double square = 0, more = 0;
+        for (std::size_t i = 0; i < taken.color.data.size(); ++i) {
+            const double apart = shown(taken.color.data[i]) - shown(computed.color.data[i]);
+            square += apart * apart, more += apart;
+        }
+        const auto values = static_cast<double>(taken.color.data.size());
+        // Computed anew, each sample's lobe has a few rays, which show as grain.
+        EXPECT_LT(std::sqrt(square / values), roughness > 0 ? 0.0065 : 0.004);
+        EXPECT_LT(std::abs(more / values), 0.0003);
+        EXPECT_LT(4 * taken.counters.samples.shaded, 3 * computed.counters.samples.shaded);
+        if (roughness > 0) {
+            EXPECT_LT(20 * taken.counters.reflection_rays, computed.counters.reflection_rays);
+        }
+    }
 }
 
 // A ball that mirrors a twentieth of its surroundings: some samples follow its rays, with as much more weight.
