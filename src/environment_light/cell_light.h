@@ -9,9 +9,8 @@
 // proven and what was found by rays may be added separately.
 //
 // A lobe that is wider than cells sees the mean of their radiance, weighted by the lobe as it is seen from this very
-// direction: long at a slant. A narrower one sees the radiance blurred as a lobe of its width blurs it when it is seen
-// along the normal [Karis 2013], from tables over directions that are made when the first such lobe asks; in between,
-// both are blended. How much of it is visible is the ratio of visible weights to all weights, over cells; a lobe that
+// direction: long at a slant. A narrower one sees blurred images from tables (lobe_tables.h); in between, both are
+// blended. How much of it is visible is the ratio of visible weights to all weights, over cells; a lobe that
 // cells cannot resolve is widened for that.
 //
 // Cost: a table look-up (bilinear) where all cells above the surface are visible; else some 3 ns for each cell that is
@@ -27,6 +26,7 @@
 #include "base/direction_table.h"
 #include "environment_light/cell_sums.h"
 #include "environment_light/direction_cells.h"
+#include "environment_light/lobe_tables.h"
 
 namespace gnomon::environment_light {
 
@@ -34,7 +34,7 @@ struct CellLightOptions {
     int normals = 96;               // a side, of the table over normals
     float least_roughness = 0.4f;   // of the lobe that visibility is weighted by
     // Of lobes: up to the first from tables, from the second on by cells.
-    float by_tables = 0.3f, by_cells = 0.45f;
+    float by_tables = 0.3f, by_cells = 0.55f;
 };
 
 /// What arrives at a surface from visible cells.
@@ -79,7 +79,8 @@ class CellLight {
     FromCells from_cells(const glm::vec3& normal, std::span<const std::uint64_t> seen,
                          std::span<const PartialCell> partial = {}) const;
 
-    /// The mean radiance that a lobe around a mirror direction sees. @param roughness  perceptual
+    /// The mean radiance that a lobe around a mirror direction sees, viewed along the normal. @param roughness
+    /// perceptual
     glm::vec3 blurred(const glm::vec3& direction, float roughness) const;
     /// What a lobe sees.
     /// @param seen     a bit for each leaf
@@ -89,7 +90,7 @@ class CellLight {
     std::size_t bytes() const;
 
  private:
-    struct Lobes;
+    LobeTables& lobes() const;
     CosineSums sum(const glm::vec3& normal, std::span<const std::uint64_t> mask, std::uint64_t flip) const;
 
     const DirectionCells& cells_;
@@ -103,7 +104,7 @@ class CellLight {
     std::vector<std::uint64_t> exists_;   // leaves
     DirectionTable normals_;
     mutable std::once_flag lobes_made_;
-    mutable std::unique_ptr<Lobes> lobes_;
+    mutable std::unique_ptr<LobeTables> lobes_;
 };
 
 }   // namespace gnomon::environment_light

@@ -10,6 +10,7 @@
 #include "environment_light/cell_sums.h"
 #include "environment_light/cell_visibility.h"
 #include "environment_light/environment_light.h"
+#include "environment_light/lobe_tables.h"
 #include "scene/builtin/builtin.h"
 #include "soup.h"
 
@@ -344,12 +345,45 @@ TEST(CellLight, LobesSeeAnUnevenSkyAsTheirIntegralDoes)
                     const glm::vec3 d(glm::dvec3(across * std::cos(angle), up, across * std::sin(angle)));
                     const float cosine = glm::dot(d, around), t = 0.5f * (1 + cosine) * (a2 - 1) + 1;
                     if (!(cosine > 0)) continue;
-                    const auto weight = static_cast<double>(cosine / (t * t));
+                    const float shadowing = 0.5f * (1 + std::sqrt(1 + a2 * (1 / (cosine * cosine) - 1)));
+                    const auto weight = static_cast<double>(1 / (t * t * shadowing));
                     sum += weight * glm::dvec3(radiance(d)), weights += weight;
                 }
             const glm::vec3 seen = light.blurred(around, roughness);
             for (int c = 0; c < 3; ++c)
                 EXPECT_NEAR(static_cast<double>(seen[c]), sum[c] / weights, 0.04) << roughness << ' ' << i << ' ' << c;
+        }
+}
+
+// Of a bright ring in a dark surrounding, from a slant, against the integral of the microfacets' distribution with
+// masking and shadowing [Heitz 2014].
+TEST(LobeTables, LobesAtASlantSeeABrightRingAsTheirIntegralDoes)
+{
+    const auto radiance = [](const glm::vec3& d) { return glm::vec3(d.y > 0.64f && d.y < 0.87f ? 8.0f : 0.125f); };
+    const scene::Environment environment(image_of(1024, 512, radiance));
+    LobeTables tables(environment);
+    constexpr int k_rows = 512, k_columns = 1024;
+    for (const float roughness : {0.2f, 0.3f, 0.4f})
+        for (const double degrees : {0.0, 30.0, 45.0, 60.0, 75.0}) {
+            const double slant = degrees * k_pi / 180, alpha = static_cast<double>(roughness * roughness);
+            const auto lambda = [&](double cosine) {
+                return 0.5 * (std::sqrt(1 + alpha * alpha * (1 / (cosine * cosine) - 1)) - 1);
+            };
+            const glm::dvec3 viewer(std::sin(slant), std::cos(slant), 0);
+            double sum = 0, weights = 0;
+            for (int row = 0; row < k_rows; ++row)
+                for (int column = 0; column < k_columns; ++column) {
+                    const double up = (row + 0.5) / k_rows, angle = 2 * k_pi * (column + 0.5) / k_columns;
+                    const double across = std::sqrt(1 - up * up);
+                    const glm::dvec3 d(across * std::cos(angle), up, across * std::sin(angle));
+                    const glm::dvec3 h = glm::normalize(d + viewer);
+                    const double t = h.y * h.y * (alpha * alpha - 1) + 1;
+                    const double weight = 1 / (t * t * (1 + lambda(up) + lambda(viewer.y)));
+                    sum += weight * static_cast<double>(radiance(glm::vec3(d)).x), weights += weight;
+                }
+            const glm::vec3 seen =
+                tables.reflected(glm::vec3(viewer), {0, 1, 0}, glm::vec3(-viewer.x, viewer.y, viewer.z), roughness);
+            EXPECT_NEAR(static_cast<double>(seen.x) * weights / sum, 1, 0.1) << roughness << ' ' << degrees;
         }
 }
 

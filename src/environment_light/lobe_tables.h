@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Blurred images of an environment, as narrow lobes of rough surfaces see it.
+//
+// Seen along the normal, a lobe is round, and blurs the image as a table over directions has it. Seen at a slant, it is
+// long: 32 directions are drawn from the normals that the viewer sees [Heitz 2018], and each has the mean of the image
+// over its share of the lobe, a Gaussian around it from another table [Krivanek and Colbert 2008]. In between, both
+// fade into each other: the directions' pattern turns with the view, which would show around where a surface faces the
+// viewer.
+//
+// Against integrals over 60 bright bands, discs and boxes before a dark background, 64 times as bright, the RMS error
+// is at most .02 along the normal and .04 to .09 up to 75 degrees from it, at roughnesses from .2 to .5. Tables of
+// round lobes alone have .08 to .46 at 60 degrees.
+//
+// Cost: 64 table look-ups (bilinear) at a slant, else two. Tables are made when they are first asked for, up to 300 ms
+// in all (2 cores with AVX-512).
+
+#include <array>
+#include <mutex>
+#include <vector>
+
+#include "base/direction_table.h"
+#include "scene/environment.h"
+
+namespace gnomon::environment_light {
+
+class LobeTables {
+ public:
+    explicit LobeTables(const scene::Environment& environment);
+
+    /// The mean radiance that a lobe sees. Thread-safe. All directions are unit.
+    /// @param mirrored   the direction that a mirror shows
+    /// @param roughness  perceptual
+    glm::vec3 reflected(const glm::vec3& to_viewer, const glm::vec3& normal, const glm::vec3& mirrored,
+                        float roughness);
+    /// The same, viewed along the normal.
+    glm::vec3 along_normal(const glm::vec3& mirrored, float roughness);
+    std::size_t bytes() const;
+
+ private:
+    static constexpr std::size_t k_lobes = 12, k_spots = 9;
+    // Radiance over the sphere in a pyramid of means.
+    struct Level {
+        int side = 0;   // squares
+        std::vector<glm::vec3> flux;
+        std::vector<glm::vec4> direction;   // unit mean direction; w: solid angle
+    };
+    // Made when it is first asked for.
+    struct Table {
+        std::once_flag made;
+        DirectionTable values;
+    };
+
+    void make_levels(const scene::Environment& environment);
+    template <class Weight>
+    glm::vec3 gather(const glm::vec3& around, float width, float reach, const Weight& weight) const;
+    const DirectionTable& lobe(std::size_t number);
+    const DirectionTable& spot(std::size_t number);
+    glm::vec3 at_slant(const glm::vec3& to_viewer, const glm::vec3& normal, float alpha);
+    glm::vec3 spot_at(const glm::vec3& direction, float width);
+
+    std::vector<Level> levels_;   // from the finest
+    std::array<Table, k_lobes> lobes_;
+    std::array<Table, k_spots> spots_;
+};
+
+}   // namespace gnomon::environment_light
