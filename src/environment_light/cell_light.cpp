@@ -145,11 +145,7 @@ SeenByLobe CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> s
         std::clamp((lobe.roughness - options_.by_tables) / (options_.by_cells - options_.by_tables), 0.0f, 1.0f);
     if (by_cells < 1) {
         const glm::vec3 by_table = lobes().reflected(lobe.to_viewer, lobe.normal, lobe.mirrored, lobe.roughness);
-        // What is visible differs from all of it as cells say.
-        glm::vec3 open = by_table;
-        for (int c = 0; c < 3; ++c)
-            if (mean[c] > 0) open[c] *= result.open[c] / mean[c];
-        mean = glm::mix(by_table, mean, by_cells), result.open = glm::mix(open, result.open, by_cells);
+        mean = glm::mix(by_table, mean, by_cells), result.open = glm::mix(by_table, result.open, by_cells);
     }
     result.light = mean * share;
     const float all = luminance(mean);

@@ -34,7 +34,7 @@ struct CellLightOptions {
     int normals = 96;               // a side, of the table over normals
     float least_roughness = 0.4f;   // of the lobe that visibility is weighted by
     // Of lobes: up to the first from tables, from the second on by cells.
-    float by_tables = 0.3f, by_cells = 0.55f;
+    float by_tables = 0.3f, by_cells = 0.45f;
 };
 
 /// What arrives at a surface from visible cells.
