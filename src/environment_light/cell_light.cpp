@@ -144,7 +144,9 @@ SeenByLobe CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> s
     const float by_cells =
         std::clamp((lobe.roughness - options_.by_tables) / (options_.by_cells - options_.by_tables), 0.0f, 1.0f);
     if (by_cells < 1) {
-        const glm::vec3 by_table = lobes().reflected(lobe.to_viewer, lobe.normal, lobe.mirrored, lobe.roughness);
+        const glm::vec3 by_table = lobe.round
+                                       ? blurred(lobe.mirrored, lobe.roughness)
+                                       : lobes().reflected(lobe.to_viewer, lobe.normal, lobe.mirrored, lobe.roughness);
         mean = glm::mix(by_table, mean, by_cells), result.open = glm::mix(by_table, result.open, by_cells);
     }
     result.light = mean * share;

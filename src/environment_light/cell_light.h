@@ -14,8 +14,7 @@
 // cells cannot resolve is widened for that.
 //
 // Cost: a table look-up (bilinear) where all cells above the surface are visible; else some 3 ns for each cell that is
-// hidden, or visible. The table over normals takes some 10 ms, those of lobes up to 300 ms (2 cores
-// with AVX-512).
+// hidden, or visible. The table over normals takes some 10 ms (2 cores with AVX-512).
 
 #include <array>
 #include <memory>
@@ -49,6 +48,7 @@ struct Lobe {
     glm::vec3 mirrored{0};             // the direction that a mirror shows
     glm::vec3 normal{0}, horizon{0};   // what lies below the plane of either has no weight
     float roughness = 1;               // perceptual
+    bool round = false;                // seen as along the normal, which needs fewer tables: for previews
 };
 
 /// What a lobe sees of the environment; radiance.

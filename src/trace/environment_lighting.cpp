@@ -476,7 +476,8 @@ void EnvironmentLighting::light_some(const PointBatch& batch, std::size_t tile, 
                                                                                   .mirrored = point.next.reflected,
                                                                                   .normal = s.normal,
                                                                                   .horizon = s.smooth_normal,
-                                                                                  .roughness = s.roughness},
+                                                                                  .roughness = s.roughness,
+                                                                                  .round = technique_.rough()},
                                                                                  seen, partial);
             by_lobe = weight * of_image.light;
             radiance += by_lobe;

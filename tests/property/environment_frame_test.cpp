@@ -315,7 +315,7 @@ TEST(EnvironmentFrame, APreviewShowsRoughlyTheSameWithFewRays)
             }
             EXPECT_NEAR(sum_about / sum, 1, 0.02);
             EXPECT_LT(std::sqrt(square / static_cast<double>(image.size())),
-                      0.08 * sum / static_cast<double>(image.size()));
+                      0.1 * sum / static_cast<double>(image.size()));
             EXPECT_NE(about, image);
 
             EXPECT_EQ(colours(kept.render(scene, input)), image) << "after a preview";
