@@ -23,6 +23,8 @@ constexpr float k_of_width = 0.5f, k_of_distance = 0.4f;
 constexpr float k_narrow_alpha = 0.06f, k_coarse = 2;   // below which so many times wider ones do
 constexpr float k_gaussian_reach = 4;                   // widths from which on a Gaussian is left out
 constexpr int k_directions = 32;                        // of a lobe at a slant
+constexpr int k_core_directions = 16;                   // of one narrower than all tables
+constexpr double k_golden = 2.399963229728653;          // angle, in radians
 constexpr float k_overlap = 0.7f;                       // of the Gaussians around them
 constexpr float k_least_cosine = 1e-3f;
 constexpr float k_narrow = 0.12f, k_resolved = 0.2f;   // roughness of lobes from which on Gaussians do for them
@@ -51,7 +53,6 @@ struct Place {
 };
 std::array<Place, k_directions> spiral()
 {
-    constexpr double k_golden = 2.399963229728653;
     const auto inside = [](double i) { return 1 - (1 - i / k_directions) * (1 - i / k_directions); };
     std::array<Place, k_directions> places;
     for (std::size_t k = 0; k < places.size(); ++k) {
@@ -65,19 +66,19 @@ std::array<Place, k_directions> spiral()
 
 }   // namespace
 
-LobeTables::LobeTables(const scene::Environment& environment)
+LobeTables::LobeTables(const scene::Environment& environment) : environment_(environment)
 {
-    make_levels(environment);
+    make_levels();
 }
 
-void LobeTables::make_levels(const scene::Environment& environment)
+void LobeTables::make_levels()
 {
     // The finest level: each square has the mean of a few samples, times its solid angle.
     Level& fine = levels_.emplace_back();
     fine.side = k_finest_side;
     const auto count = static_cast<std::size_t>(fine.side) * static_cast<std::size_t>(fine.side);
     fine.flux.resize(count), fine.direction.resize(count);
-    const int texels = environment.image().height * 2 / k_finest_side;
+    const int texels = environment_.image().height * 2 / k_finest_side;
     const int samples = std::clamp(texels, 2, 8);
     for (std::size_t i = 0; i < count; ++i) {
         const glm::vec2 at(static_cast<float>(i % k_finest_side), static_cast<float>(i / k_finest_side));
@@ -92,7 +93,7 @@ void LobeTables::make_levels(const scene::Environment& environment)
             const float sum = std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
             const float part =
                 4.0f / (k_finest_side * k_finest_side) / static_cast<float>(samples * samples) * sum * sum * sum;
-            flux += part * environment.radiance(d), direction += part * d, angle += part;
+            flux += part * environment_.radiance(d), direction += part * d, angle += part;
         }
         fine.flux[i] = flux;
         fine.direction[i] = glm::vec4(glm::normalize(direction), angle);
@@ -180,8 +181,32 @@ const DirectionTable& LobeTables::spot(std::size_t number)
     return spots_[number].values;
 }
 
+// A lobe that is narrower than all tables. Of the microfacets' normals, 1 / (1 + x) are farther than sqrt(x) alpha from
+// the surface's. A wider lobe has t times as many that are far away, with t the ratio of the squares of alpha. Without
+// these t of it, 1 / ((1 + x) (1 + t x)) of the others are farther: the core, with steep flanks.
+glm::vec3 LobeTables::narrow(const glm::vec3& to_viewer, const glm::vec3& normal, const glm::vec3& mirrored,
+                             float alpha)
+{
+    const float widest = k_roughness[0] * k_roughness[0];
+    const float t = alpha * alpha / (widest * widest);
+    glm::vec3 x, y, core(0);
+    make_basis(normal, x, y);
+    for (int k = 0; k < k_core_directions; ++k) {
+        const float farther = (static_cast<float>(k) + 0.5f) / k_core_directions;
+        // The solution of the quadratic equation, in a form that is exact where t is small.
+        const float b = 1 + t, c = 1 / farther - 1;
+        const float tangent = alpha * std::sqrt(2 * c / (b + std::sqrt(b * b + 4 * t * c)));
+        const double phi = k * k_golden;
+        const glm::vec3 h = glm::normalize(
+            normal + tangent * (static_cast<float>(std::cos(phi)) * x + static_cast<float>(std::sin(phi)) * y));
+        core += environment_.radiance(glm::normalize(2 * glm::dot(to_viewer, h) * h - to_viewer));
+    }
+    return glm::mix(core * (1.0f / k_core_directions), lobe(0).at(mirrored), t);
+}
+
 glm::vec3 LobeTables::along_normal(const glm::vec3& mirrored, float roughness)
 {
+    if (roughness < k_roughness[0]) return narrow(mirrored, mirrored, mirrored, roughness * roughness);
     std::size_t above = 1;
     while (above + 1 < k_lobes && k_roughness[above] < roughness) ++above;
     const float low = k_roughness[above - 1], high = k_roughness[above];
@@ -240,6 +265,7 @@ glm::vec3 LobeTables::at_slant(const glm::vec3& to_viewer, const glm::vec3& norm
 glm::vec3 LobeTables::reflected(const glm::vec3& to_viewer, const glm::vec3& normal, const glm::vec3& mirrored,
                                 float roughness)
 {
+    if (roughness < k_roughness[0]) return narrow(to_viewer, normal, mirrored, roughness * roughness);
     const float cosine = glm::dot(normal, to_viewer);
     const float t = std::clamp((k_round - cosine) / (k_round - k_slant), 0.0f, 1.0f);
     // The Gaussians do not resolve the narrowest lobes.

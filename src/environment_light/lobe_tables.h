@@ -12,6 +12,9 @@
 // error against the integral was .002 to .065 along the normal and .03 to .08 at 45 to 75 degrees from it, at
 // roughnesses from .2 to .5. Round lobes alone had .18 to .40 at 60 degrees.
 //
+// Lobes narrower than the narrowest table have its tail, in proportion to the fourth power of roughness, and a core
+// that is seen by 16 directions.
+//
 // Cost: 64 table look-ups (bilinear) at a slant, else two. Tables are made when they are first asked for: .4 to .9 s of
 // processor time for a file with many roughnesses (AMD EPYC, AVX2).
 
@@ -26,6 +29,7 @@ namespace gnomon::environment_light {
 
 class LobeTables {
  public:
+    /// @param environment  kept by reference
     explicit LobeTables(const scene::Environment& environment);
 
     /// The mean radiance that a lobe sees. Thread-safe. All directions are unit.
@@ -51,14 +55,16 @@ class LobeTables {
         DirectionTable values;
     };
 
-    void make_levels(const scene::Environment& environment);
+    void make_levels();
     template <class Weight>
     glm::vec3 gather(const glm::vec3& around, float width, float reach, const Weight& weight) const;
     const DirectionTable& lobe(std::size_t number);
     const DirectionTable& spot(std::size_t number);
     glm::vec3 at_slant(const glm::vec3& to_viewer, const glm::vec3& normal, float alpha);
+    glm::vec3 narrow(const glm::vec3& to_viewer, const glm::vec3& normal, const glm::vec3& mirrored, float alpha);
     glm::vec3 spot_at(const glm::vec3& direction, float width);
 
+    const scene::Environment& environment_;
     std::vector<Level> levels_;   // from the finest
     std::array<Table, k_lobes> lobes_;
     std::array<Table, k_spots> spots_;

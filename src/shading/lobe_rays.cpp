@@ -90,7 +90,7 @@ std::size_t lobe_rays(const SurfacePoint& s, std::uint32_t first, const glm::uve
         const glm::vec3 weight = reflect_glossy(s, direction) / density;   // 0 below the shading normal's plane
         if (weight == glm::vec3(0)) continue;
         sum += weight;
-        rays[count++] = {direction, weight};
+        rays[count++] = {direction, weight, density};
     }
     // What the lobe reflects of light from everywhere is its albedo.
     const glm::vec3 albedo = s.coverage * glossy_albedo(s);
@@ -113,7 +113,7 @@ std::size_t choose_lobe_ray(const SurfacePoint& s, std::uint32_t number, LobeRay
         const float share = (weight.x + weight.y + weight.z) / 3;
         left -= share;
         if (share > 0 && (left < 0 || k + 1 == count)) {
-            ray = {rays[k].direction, weight / share};
+            ray = {rays[k].direction, weight / share, rays[k].density};
             return 1;
         }
     }
@@ -123,8 +123,10 @@ std::size_t choose_lobe_ray(const SurfacePoint& s, std::uint32_t number, LobeRay
 void widen_lobe(const ray::ObjectGeometry& geometry, std::uint32_t triangle, SurfacePoint& s)
 {
     if (s.model != scene::ShadingModel::metallic_roughness || s.specular == glm::vec3(0)) return;
-    const float alpha = s.roughness * s.roughness, angle = 0.5f * s.cone.spread;
-    const float turn = 0.5f * s.cone.width * curvature(geometry, triangle);
+    // A half of the angles, and less, because neighbouring pixels add their rays to those of the lobe.
+    constexpr float k_part = 0.2f;
+    const float alpha = s.roughness * s.roughness, angle = k_part * s.cone.spread;
+    const float turn = k_part * s.cone.width * curvature(geometry, triangle);
     s.roughness = std::min(std::sqrt(std::sqrt(alpha * alpha + angle * angle + turn * turn)), 1.0f);
 }
 

@@ -30,6 +30,7 @@ void reflect_by_lobe(const SurfacePoint& s, Continuation& next);
 struct LobeRay {
     glm::vec3 direction{0};   // unit, above the surface
     glm::vec3 weight{0};      // of its radiance, as a fraction of the light that the lobe reflects
+    float density = 0;        // with which such rays are cast, per steradian: glossy_density()
 };
 
 /// Finds rays of a surface's lobe. @pre has_glossy_lobe(s)

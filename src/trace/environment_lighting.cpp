@@ -401,7 +401,7 @@ bool EnvironmentLighting::may_reflect(const TilePoint& point)
     if (s.model == scene::ShadingModel::unlit) return false;
     // A smooth surface shows the image in the rays that it reflects.
     const bool blurred = point.next.unresolved_weight != glm::vec3(0);
-    return s.diffuse != glm::vec3(0) || blurred || highlight_share(s) != 0;
+    return s.diffuse != glm::vec3(0) || blurred || image_share(s) != 0;
 }
 
 void EnvironmentLighting::light_some(const PointBatch& batch, std::size_t tile, std::size_t first, std::size_t end,
@@ -428,7 +428,7 @@ void EnvironmentLighting::light_some(const PointBatch& batch, std::size_t tile, 
         glm::vec3 horizon = s.geometric_normal;   // of the triangle that decided the cells
         const PlaceLattice::Around* between = apart_at_[k] == k_between ? &lattice_.around()[k] : nullptr;
         const std::size_t shared_rays = point.straight ? PassingLight::k_rays : PassingLight::k_rays_in_mirrors;
-        const float highlight = highlight_share(s);
+        const float highlight = image_share(s);
         const glm::vec3 albedo = highlight > 0 ? shading::glossy_albedo(s) : glm::vec3(0);
         // Rays of the lobe show the image where they meet nothing.
         const glm::vec3 by_rays = highlight * point.next.lobe_weight;

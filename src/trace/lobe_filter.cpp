@@ -93,13 +93,18 @@ void LobeImage::set_rays(int left, int top, std::span<const std::uint32_t> pixel
         const glm::vec3 part = sums[pixels[i]].part_of(ray);
         ray.light *= part, ray.weight *= part;
         to.rays[next[pixels[i]]++] = packed(ray);
-        tiles_[tile][pixels[i]].light += ray.light;
+        LobePixel& pixel = tiles_[tile][pixels[i]];
+        pixel.light += ray.light;
+        if (ray.nearness == 0) pixel.left += ray.weight;
     }
     for (std::size_t p = 0; p < sums.size(); ++p) {
         LobePixel& pixel = tiles_[tile][p];
         const glm::vec3& weight = sums[p].weight;
-        for (int c = 0; c < 3; ++c)
-            if (weight[c] > 0) pixel.light[c] *= pixel.weight[c] / weight[c];
+        for (int c = 0; c < 3; ++c) {
+            if (!(weight[c] > 0)) continue;
+            const float all_of_pixel = pixel.weight[c] / weight[c];
+            pixel.light[c] *= all_of_pixel, pixel.left[c] *= all_of_pixel;
+        }
         const float all = pixel.weight.x + pixel.weight.y + pixel.weight.z;
         if (all > 0) pixel.cast = (weight.x + weight.y + weight.z) / all;
     }

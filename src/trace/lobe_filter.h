@@ -18,6 +18,10 @@
 // rays one by one. Therefore pixels whose lobes are nearly the same share the means as well, which makes the window's
 // edges soft.
 //
+// Under an environment image, a ray that leaves the scene shows the mean of the image over its pixel's lobe, which is
+// without noise. Neighbours do not share that, but how much of their lobes is open: each pixel has its own mean of the
+// image times the part of all rays, by their weights, that leave.
+//
 // Pixels cast as many rays as their neighbours do not have for them (rays_wanted()): few where all of the window
 // counts, several on a small ball. Rays count by their weights, because a single ray says nothing about how much its
 // lobe reflects on average.
@@ -27,7 +31,7 @@
 // and all of it then gets the pixel's filtered light.
 //
 // Cost: three times 81 neighbours for each pixel; and, where lobes of the window differ, twice 81 densities for each
-// ray, a vector of pixels at once (lobe_sums.h). Memory: 124 bytes for each pixel of tiles that show lobes, 28 for each
+// ray, a vector of pixels at once (lobe_sums.h). Memory: 148 bytes for each pixel of tiles that show lobes, 28 for each
 // ray (packed_lobe_ray.h), of which a pixel has 16 at most, and 108 where it is spread.
 
 #include <array>
@@ -58,6 +62,9 @@ struct PackedLobeRay;   // as it is kept
 struct LobePixel {
     glm::vec3 light{0};    // what its lobe rays bring, as those of all of its samples
     glm::vec3 weight{0};   // what they would bring of radiance 1 from everywhere; 0: it has no lobe
+    // What its lobe would bring of radiance that its rays show where they leave the scene, if all did: rays do not
+    // bring it, because it is the pixel's own. And what those rays that do would bring of radiance 1.
+    glm::vec3 open{0}, left{0};
     // Of the first sample; a width of 0: it has no lobe.
     glm::vec3 position{0}, axis{0};      // where the lobe starts, and its direction
     glm::vec3 normal{0}, to_viewer{0};   // that it is reflected by, and from
@@ -95,8 +102,6 @@ struct LobeFilterOptions {
     // Difference, with the parallax of what a pixel's rays meet, up to which the lobes of its window are the same for
     // them, and from which on they are not.
     float even_alike = 0.15f, even_unlike = 0.3f;
-    // As rays_alike and rays_unlike, under an environment image.
-    float image_alike = 0.2f, image_unlike = 0.6f;
     // Rays that a pixel should have with its neighbours; and, where these are as different as a lobe is wide, by
     // itself. Where they are more different, a narrower lobe shows less within a pixel: it needs fewer rays, but not
     // below the last.
@@ -170,7 +175,7 @@ class LobeImage {
     void fill(int left, int top, glm::vec3 LobePixel::*found, bool with_rays, Window& window) const;
     template <class Row>
     void for_each_row(int left, int top, const Row& row);
-    static void set_found(int first, int end, glm::vec3 LobePixel::*from, glm::vec3 LobePixel::*to, LobePixel* pixels,
+    static void set_found(int first, int end, bool open, glm::vec3 LobePixel::*to, LobePixel* pixels,
                           const Window& window);
     // The steps of the filter, for a tile.
     void find_densities(int left, int top, Window& window, const LobeFilterOptions& options);

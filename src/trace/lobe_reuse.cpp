@@ -16,6 +16,29 @@ namespace {
 
 const LobePixel k_no_lobe;
 
+// What rays of a pixel bring, and what it sees of the environment image where some of them leave the scene.
+// @param light, weight, left  sums of the rays; those without weight do not count, but the pixel's own
+glm::vec3 found_of(const LobePixel& own, const glm::vec3& light, const glm::vec3& weight, const glm::vec3& left)
+{
+    glm::vec3 found(0);
+    for (int c = 0; c < 3; ++c) {
+        const bool some = own.width > 0 && weight[c] > 0;
+        found[c] = some ? own.weight[c] * (light[c] / weight[c]) : own.light[c];
+        const float open = some ? left[c] / weight[c] : own.weight[c] > 0 ? own.left[c] / own.weight[c] : 0.0f;
+        if (open > 0) found[c] += open * own.open[c];
+    }
+    return found;
+}
+
+// The mean of what pixels gathered; their own without weights.
+glm::vec3 times_mean(const LobePixel& own, const glm::vec3& light, const glm::vec3& weight)
+{
+    glm::vec3 mean = own.gathered;
+    for (int c = 0; c < 3; ++c)
+        if (own.width > 0 && weight[c] > 0) mean[c] = own.weight[c] * (light[c] / weight[c]);
+    return mean;
+}
+
 LobeSharing sharing_of(const LobeFilterOptions& options, float alike, float unlike)
 {
     return {options.near * options.near, {alike, unlike}};
@@ -65,17 +88,19 @@ void LobeImage::for_each_row(int left, int top, const Row& row)
 }
 
 // Sets what the pixels of a row have found, from the window's sums.
-void LobeImage::set_found(int first, int end, glm::vec3 LobePixel::*from, glm::vec3 LobePixel::*to, LobePixel* pixels,
+// @param open  with what they see of the environment image
+void LobeImage::set_found(int first, int end, bool open, glm::vec3 LobePixel::*to, LobePixel* pixels,
                           const Window& window)
 {
+    const auto sum = [](const std::vector<float>* sums, int x) {
+        const auto at = static_cast<std::size_t>(x);
+        return glm::vec3(sums[0][at], sums[1][at], sums[2][at]);
+    };
     for (int x = first; x < end; ++x) {
         LobePixel& pixel = pixels[x];
         if (pixel.weight == glm::vec3(0)) continue;
-        for (int c = 0; c < 3; ++c) {
-            const float light = window.light[c][static_cast<std::size_t>(x)];
-            const float weight = window.weight[c][static_cast<std::size_t>(x)];
-            (pixel.*to)[c] = pixel.width > 0 && weight > 0 ? pixel.weight[c] * (light / weight) : (pixel.*from)[c];
-        }
+        const glm::vec3 light = sum(window.light, x), weight = sum(window.weight, x);
+        pixel.*to = open ? found_of(pixel, light, weight, sum(window.open, x)) : times_mean(pixel, light, weight);
     }
 }
 
@@ -125,7 +150,7 @@ void LobeImage::gather(int left, int top, Window& window, const LobeFilterOption
     const LobeSharing sharing = sharing_of(options, options.rays_alike, options.rays_unlike);
     for_each_row(left, top, [&](int y, int first, int end, LobePixel* pixels) {
         sum_rays(window, sharing, y, first, end);
-        set_found(first, end, &LobePixel::light, &LobePixel::gathered, pixels, window);
+        set_found(first, end, true, &LobePixel::gathered, pixels, window);
     });
 }
 
@@ -135,7 +160,7 @@ void LobeImage::share_means(int left, int top, Window& window, const LobeFilterO
     const LobeSharing sharing = sharing_of(options, options.means_alike, options.means_unlike);
     for_each_row(left, top, [&](int y, int first, int end, LobePixel* pixels) {
         sum_means(window, sharing, y, first, end);
-        set_found(first, end, &LobePixel::gathered, &LobePixel::filtered, pixels, window);
+        set_found(first, end, false, &LobePixel::filtered, pixels, window);
     });
 }
 
@@ -181,13 +206,6 @@ void for_each_alike(const LobeImage& image, Size size, int x, int y, const Liken
         }
 }
 
-glm::vec3 times_mean(const LobePixel& own, const glm::vec3& light, const glm::vec3& weight, const glm::vec3& alone)
-{
-    glm::vec3 result(0);
-    for (int c = 0; c < 3; ++c) result[c] = weight[c] > 0 ? own.weight[c] * (light[c] / weight[c]) : alone[c];
-    return result;
-}
-
 }   // namespace
 
 // A pixel whose window's lobes have been compared.
@@ -222,12 +240,13 @@ glm::vec3 LobeImage::gathered(int x, int y, const LobeFilterOptions& options) co
 {
     const LobePixel& own = at(x, y);
     if (own.weight == glm::vec3(0)) return glm::vec3(0);
-    if (!(own.width > 0)) return own.light;
-    glm::vec3 light(0), weight(0);
+    glm::vec3 light(0), weight(0), left(0);
+    if (!(own.width > 0)) return found_of(own, light, weight, left);
     for_each_alike(*this, size_, x, y, {options.rays_alike, options.rays_unlike}, options,
                    [&](int nx, int ny, float, float counted) {
                        const LobePixel other = with_evenness(nx, ny, options);
                        light += counted * other.even * other.light, weight += counted * other.even * other.weight;
+                       left += counted * other.even * other.left;
                        if (!(other.uneven > 0)) return;
                        for (const PackedLobeRay& kept : rays_of(nx, ny)) {
                            LobeRay ray = unpacked(kept);
@@ -235,9 +254,10 @@ glm::vec3 LobeImage::gathered(int x, int y, const LobeFilterOptions& options) co
                            const float counts =
                                counted * (density_of(own, at(nx, ny), ray) * (rarity_of(ray) * other.uneven));
                            light += counts * ray.light, weight += counts * ray.weight;
+                           if (ray.nearness == 0) left += counts * ray.weight;
                        }
                    });
-    return times_mean(own, light, weight, own.light);
+    return found_of(own, light, weight, left);
 }
 
 glm::vec3 LobeImage::mean(int x, int y, const LobeFilterOptions& options) const
@@ -250,7 +270,7 @@ glm::vec3 LobeImage::mean(int x, int y, const LobeFilterOptions& options) const
                    [&](int nx, int ny, float, float counted) {
                        light += counted * at(nx, ny).gathered, weight += counted * at(nx, ny).weight;
                    });
-    return times_mean(own, light, weight, own.gathered);
+    return times_mean(own, light, weight);
 }
 
 }   // namespace gnomon::trace

@@ -174,14 +174,14 @@ void sum_rays_of(W& window, const LobeSharing& sharing, int y_of_tile, int first
     for (int at = first / lanes * lanes; at < end; at += lanes) {
         const int x0 = at + k_half;
         const Lobe own = lobe_at(window, x0, y0);
-        V sums[6];
+        V sums[9];
         for (V& sum : sums) sum = hn::Zero(d);
         for_each_neighbour(window, sharing, x0, y0, [&](int x, int y, const Vector3& apart, V, V share) HWY_ATTR {
             const V counted = hn::Mul(share, load(window.row(W::rays, y) + x));
             // Lobes that are the same for all rays of a pixel need not be asked.
             const V even = hn::Mul(counted, load(window.row(W::even, y) + x));
             if (!hn::AllFalse(d, hn::Gt(even, hn::Zero(d))))
-                for (int c = 0; c < 6; ++c)
+                for (int c = 0; c < 9; ++c)
                     sums[c] = hn::Add(sums[c], hn::Mul(even, load(window.row(W::lr, y) + c * stride + x)));
             const V count = hn::IfThenElseZero(hn::Gt(share, hn::Zero(d)), load(window.row(W::count, y) + x));
             for (int k = 0; k < window.rays_of_row[static_cast<std::size_t>(y)]; ++k) {
@@ -192,10 +192,18 @@ void sum_rays_of(W& window, const LobeSharing& sharing, int y_of_tile, int first
                 const V counts = hn::IfThenElseZero(has, hn::Mul(counted, there));
                 for (int c = 0; c < 6; ++c)
                     sums[c] = hn::Add(sums[c], hn::Mul(counts, load(ray + (W::ray_lr + c) * stride)));
+                const auto leaves = hn::Eq(load(ray + W::near * stride), hn::Zero(d));
+                if (hn::AllFalse(d, leaves)) continue;
+                const V open = hn::IfThenElseZero(leaves, counts);
+                for (int c = 0; c < 3; ++c)
+                    sums[6 + c] = hn::Add(sums[6 + c], hn::Mul(open, load(ray + (W::ray_wr + c) * stride)));
             }
         });
-        for (int c = 0; c < 6; ++c)
-            hn::StoreU(sums[c], d, (c < 3 ? window.light[c] : window.weight[c - 3]).data() + at);
+        for (int c = 0; c < 3; ++c) {
+            hn::StoreU(sums[c], d, window.light[c].data() + at);
+            hn::StoreU(sums[3 + c], d, window.weight[c].data() + at);
+            hn::StoreU(sums[6 + c], d, window.open[c].data() + at);
+        }
     }
 }
 

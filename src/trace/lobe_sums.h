@@ -26,7 +26,7 @@ void find_same(LobeImage::Window& window, const LobeSharing& sharing, const Like
 void sum_densities(LobeImage::Window& window, const LobeSharing& sharing, int y, int first, int end);
 
 /// Sums what the rays of a row of pixels and of their neighbours bring, each as often as the pixel's own lobe would
-/// meet its end: Window::light, Window::weight.
+/// meet its end: Window::light, Window::weight, Window::open.
 void sum_rays(LobeImage::Window& window, const LobeSharing& sharing, int y, int first, int end);
 
 /// Sums what the pixels around a row have found, in the same place.

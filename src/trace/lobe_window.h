@@ -92,6 +92,9 @@ struct LobeImage::Window {
         wr,   // weight
         wg,
         wb,
+        open_r,   // weight of the rays that leave the scene
+        open_g,
+        open_b,
         k_values
     };
     enum OfRay { dx, dy, dz, near, fx, fy, fz, rarity, ray_lr, ray_lg, ray_lb, ray_wr, ray_wg, ray_wb, k_ray_values };
@@ -103,8 +106,8 @@ struct LobeImage::Window {
     std::vector<std::size_t> first_of_row;    // of ray_values
     std::vector<int> rays_of_row;             // the most of a pixel
     // Of a row of the tile: how far all lobes around are the same for a pixel's rays, 0 to 1; sums: how many neighbours
-    // count, and as how many rays; the densities, by number of a ray; light and weight.
-    std::vector<float> same, covered, counted, density, light[3], weight[3];
+    // count, and as how many rays; the densities, by number of a ray; light, weight, and weight of rays that leave.
+    std::vector<float> same, covered, counted, density, light[3], weight[3], open[3];
 
     const float* row(Of of, int y) const
     {
@@ -123,7 +126,7 @@ struct LobeImage::Window {
         first_of_row.assign(static_cast<std::size_t>(height), 0);
         rays_of_row.assign(static_cast<std::size_t>(height), 0);
         for (auto* list : {&same, &covered, &counted}) list->resize(static_cast<std::size_t>(padded));
-        for (auto* lists : {light, weight})
+        for (auto* lists : {light, weight, open})
             for (int c = 0; c < 3; ++c) lists[c].resize(static_cast<std::size_t>(padded));
     }
     void set(Of of, int x, int y, float value)
@@ -156,7 +159,10 @@ struct LobeImage::Window {
                                   light_of.z,
                                   p.weight.x,
                                   p.weight.y,
-                                  p.weight.z};
+                                  p.weight.z,
+                                  p.left.x,
+                                  p.left.y,
+                                  p.left.z};
         for (int k = 0; k < k_values; ++k) set(static_cast<Of>(k), x, y, all[k]);
     }
     /// Makes room for the rays of a row, whose pixels have up to `most`.

@@ -6,6 +6,7 @@
 #include "base/interruption.h"
 #include "shading/glossy.h"
 #include "shading/layers.h"
+#include "shading/lobe_rays.h"
 
 namespace gnomon::trace {
 
@@ -13,6 +14,9 @@ namespace {
 
 constexpr float k_sharp_roughness = 0.05f;     // up to here, reflected rays show lights
 constexpr float k_blurred_roughness = 0.15f;   // from here on, lobes do
+// Likewise, where rays of the lobe find out what hides an environment image: single ones would be bright dots beside
+// what is bright in it.
+constexpr float k_sharp_image = 0.02f, k_blurred_image = 0.05f;
 
 // Light of many polygons is summed over places from nearer by where several rays show the mean of what they meet.
 constexpr float k_far_of_divided = 1.5f;   // radii
@@ -32,14 +36,26 @@ bool is_simple(const shading::SurfacePoint& s, const scene::SizedLight& light, b
     return glm::dot(way, s.smooth_normal) > light.radius && glm::dot(way, s.normal) > light.radius;
 }
 
+// Rises from 0 to 1 between two roughnesses.
+float share_between(float roughness, float from, float to)
+{
+    const float t = std::clamp((roughness - from) / (to - from), 0.0f, 1.0f);
+    return t * t * (3 - 2 * t);
+}
+
 }   // namespace
 
 float highlight_share(const shading::SurfacePoint& s)
 {
     if (!shading::has_glossy_lobe(s)) return 0;
-    const float t =
-        std::clamp((s.roughness - k_sharp_roughness) / (k_blurred_roughness - k_sharp_roughness), 0.0f, 1.0f);
-    return t * t * (3 - 2 * t);
+    return share_between(s.roughness, k_sharp_roughness, k_blurred_roughness);
+}
+
+float image_share(const shading::SurfacePoint& s)
+{
+    const float highlight = highlight_share(s), by_rays = s.layered ? 0 : shading::lobe_share(s);
+    if (by_rays == 0) return highlight;
+    return glm::mix(highlight, share_between(s.roughness, k_sharp_image, k_blurred_image), by_rays);
 }
 
 float coat_highlight_share(const shading::SurfacePoint& s)

@@ -23,6 +23,8 @@ namespace gnomon::trace {
 /// The share of the highlights of lights with size in a surface's reflection of them: 0 where reflected rays show
 /// emissive surfaces, 1 where the glossy lobe reflects the lights instead.
 float highlight_share(const shading::SurfacePoint& s);
+/// The share of an environment image that a surface's lobe reflects, likewise: of metals, from smoother ones on.
+float image_share(const shading::SurfacePoint& s);
 /// The same of the coat of a layered surface; 0 without.
 float coat_highlight_share(const shading::SurfacePoint& s);
 

@@ -24,6 +24,7 @@ constexpr std::size_t k_lobe_rays_at_once = 16384;
 constexpr std::uint32_t k_lobe_batches = 8;    // of random rays: their spread is the error
 constexpr int k_blurred_lobe_rays = 2;         // a power of two
 constexpr float k_least_lobe_rays = 1e-3f;     // as which a pixel's rays count beside its neighbours'
+constexpr float k_most_lobe_spread = 0.5f;     // radians in which a ray of a lobe shows the mean of what is there
 constexpr float k_least_lobe_length = 1e-6f;   // of a lobe's ray as neighbours take it, in metres
 constexpr float k_least_cosine = 0.1f;         // of the view, for the pixel's footprint
 constexpr float k_further_share = 0.25f;   // of a pixel, that a further sample makes, with those that take its light
@@ -126,9 +127,11 @@ void TileTracer::trace(const Tile& tile, shading::FrameBuffers& out, image::Samp
 }
 
 // What a ray shows that leaves the scene.
-glm::vec3 TileTracer::seen_of_background(const PathEnd& end, const glm::vec3& direction) const
+// @param apart  without the mean over a lobe, which the filter adds
+glm::vec3 TileTracer::seen_of_background(const PathEnd& end, const glm::vec3& direction, bool apart) const
 {
-    return end.background > 0 ? end.background * scene_.background.radiance(direction) + end.open : end.open;
+    const glm::vec3 open = apart ? glm::vec3(0) : end.open;
+    return end.background > 0 ? end.background * scene_.background.radiance(direction) + open : open;
 }
 
 // Traces the queued rays of pixels, and shades what they hit.
@@ -395,7 +398,8 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample, bo
             if (path.straight && options_.backdrop_apart)
                 backdrop_[path.pixel] += path.throughput;
             else if (!path.end.no_light)
-                add_color(path.pixel, path.lobe, path.throughput * seen_of_background(path.end, direction));
+                add_color(path.pixel, path.lobe,
+                          path.throughput * seen_of_background(path.end, direction, is_kept_lobe_ray(path)));
             continue;
         }
         TilePoint& point = points_.emplace_back();
@@ -410,7 +414,7 @@ void TileTracer::shade_hits(const PathQueue& queue, bool primary, int sample, bo
         if (path.lobe.rays > 0) shading::widen_lobe(rays_.geometry(hits_.object[i]), hits_.triangle[i], point.surface);
         point.parts = path.parts, point.splits = path.splits;
         const shading::SurfacePoint& s = point.surface;
-        if (bounce_ == 0 && path.lobe.light != 0 && keeps_lobe_rays()) {
+        if (is_kept_lobe_ray(path)) {
             // Note where the ray of a lobe ends.
             GNOMON_CHECK(path.lobe.light <= kept_rays_.size());
             LobeRay& ray = kept_rays_[path.lobe.light - 1];
@@ -618,7 +622,7 @@ glm::vec3 TileTracer::reflect_bounced(const TilePoint& point, const glm::vec3& i
         if (!stands_for_lobe(point)) return point.throughput * radiance;
         return point.throughput *
                glm::mix(radiance, below_lobe(point) * reflect_irradiance(point.surface, none, indirect, surroundings),
-                        highlight_share(point.surface));
+                        image_share(point.surface));
     }
     // What the lobe does not reflect reaches the diffuse layer.
     const glm::vec3 below = glm::vec3(1) - shading::glossy_albedo(point.surface);
@@ -697,11 +701,11 @@ void TileTracer::add_color(std::uint32_t pixel, const LobePath& lobe, const glm:
 TileTracer::MirroredRay TileTracer::mirrored_ray(const TilePoint& point) const
 {
     const shading::SurfacePoint& s = point.surface;
-    const float highlight = highlight_share(s);
-    const glm::vec3 smooth = (1 - highlight) * point.next.reflected_weight;
+    const float by_lobe = image_share(s);
+    const glm::vec3 smooth = (1 - by_lobe) * point.next.reflected_weight;
     glm::vec3 weight = (1 - point.image_by_lobe) * point.next.reflected_weight;
     if (stands_for_lobe(point))
-        weight = smooth + (highlight - point.image_by_lobe) * s.coverage * (1 - shading::lobe_share(s)) *
+        weight = smooth + (by_lobe - point.image_by_lobe) * s.coverage * (1 - shading::lobe_share(s)) *
                               shading::traced_part(s.roughness) * shading::glossy_albedo(s);
     const float all = largest(weight);
     return {weight, all > 0 ? std::min(largest(smooth) / all, 1.0f) : 0};
@@ -713,7 +717,7 @@ glm::vec3 TileTracer::below_lobe(const TilePoint& point) const
 {
     const shading::SurfacePoint& s = point.surface;
     const float without_ray = (1 - shading::traced_part(s.roughness)) * (1 - shading::lobe_share(s));
-    const float lobe_hidden = 1 - point.image_by_lobe / highlight_share(s);
+    const float lobe_hidden = 1 - point.image_by_lobe / image_share(s);
     const float part = lobe_hidden < point.hidden ? lobe_hidden / point.hidden : 1;
     return glm::vec3(1) - (1 - without_ray * part) * shading::glossy_albedo(s);
 }
@@ -722,7 +726,7 @@ glm::vec3 TileTracer::below_lobe(const TilePoint& point) const
 bool TileTracer::stands_for_lobe(const TilePoint& point) const
 {
     const shading::SurfacePoint& s = point.surface;
-    return sees_image_ && !s.layered && s.transmitted == glm::vec3(0) && highlight_share(s) > 0;
+    return sees_image_ && !s.layered && s.transmitted == glm::vec3(0) && image_share(s) > 0;
 }
 
 // Splits a path at a point, see split_path().
@@ -804,13 +808,16 @@ void TileTracer::queue_lobe(const TilePoint& point, std::uint32_t first, const g
     if (count == 0 && !options_.random_lobes) lobe_rays_[count++] = {point.next.reflected, glm::vec3(1)};
     if (found) *found = counts;
     if (kept) kept->rays += counts;
-    // Each ray shows what lies in its part of the lobe.
-    shading::RayCone cone = s.cone;
     const float divided = std::max(path.rays, 1.0f);
-    cone.spread += 4 * shading::lobe_width(s.roughness) / std::sqrt(divided);
     for (std::size_t k = 0; k < count; ++k) {
         const glm::vec3 throughput = point.throughput * point.next.lobe_weight * lobe_rays_[k].weight * share;
         if (largest(throughput) * divided * point.parts < options_.min_throughput) continue;
+        // Each ray shows what lies in its part of the lobe, which is wide where rays are few.
+        shading::RayCone cone = s.cone;
+        const float density = divided * lobe_rays_[k].density;
+        cone.spread += options_.random_lobes || !(density > 0)
+                           ? 4 * shading::lobe_width(s.roughness) / std::sqrt(divided)
+                           : std::min(2 / std::sqrt(static_cast<float>(k_pi) * density), k_most_lobe_spread);
         LobePath lobe = path;
         if (kept) {
             LobeRay& ray = kept_rays_.emplace_back();
@@ -820,8 +827,8 @@ void TileTracer::queue_lobe(const TilePoint& point, std::uint32_t first, const g
             lobe.light = static_cast<std::uint32_t>(kept_rays_.size());
         }
         if (rays > 1) lobe.number = first + static_cast<std::uint32_t>(k);
-        const float own = 1 - highlight_share(s);
-        const PathEnd end{point.glossy, sized_ ? own : 1, sees_image_ ? own : 1, point.open};
+        const PathEnd end{point.glossy, sized_ ? 1 - highlight_share(s) : 1, sees_image_ ? 1 - image_share(s) : 1,
+                          point.open};
         next_reflected_.push({point.pixel, throughput, cone, end, lobe, point.parts},
                              s.position + s.offset * s.geometric_normal, 0, lobe_rays_[k].direction, k_infinity);
     }
@@ -862,7 +869,7 @@ void TileTracer::keep_lobes(int sample)
         const glm::ivec2 shown = pixel_of_image(point.pixel);
         LobePixel& pixel = lobes_->at(shown.x, shown.y);
         const glm::vec3 weight = point.throughput * point.next.lobe_weight;
-        pixel.weight += weight;
+        pixel.weight += weight, pixel.open += weight * point.open;
         if (spreads_lobes_) lobe_weights_[point.pixel] += weight;
         if (sample != 0) continue;
         const shading::SurfacePoint& s = point.surface;

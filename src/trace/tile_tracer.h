@@ -174,6 +174,8 @@ class TileTracer {
     bool shades_further() const { return refinement_ || blur_; }
     /// Whether rays of lobes are kept for the filter: not those of further samples, which are not filtered.
     bool keeps_lobe_rays() const { return lobes_ && !shades_further(); }
+    // Whether a path is the first ray of a primary hit's lobe.
+    bool is_kept_lobe_ray(const Path& path) const { return bounce_ == 0 && path.lobe.light != 0 && keeps_lobe_rays(); }
     void queue_primary(int sample);
     void queue_camera_ray(std::uint32_t pixel, const glm::vec2& at);
     void shade_sample(int sample, Stopwatch& watch);
@@ -191,7 +193,7 @@ class TileTracer {
     void trace_queue(const PathQueue& queue);
     void shade_hits(const PathQueue& queue, bool primary, int sample, bool last_depth);
     void sort_hits(std::size_t count);
-    glm::vec3 seen_of_background(const PathEnd& end, const glm::vec3& direction) const;
+    glm::vec3 seen_of_background(const PathEnd& end, const glm::vec3& direction, bool apart = false) const;
     struct MirroredRay {
         glm::vec3 weight{0};
         float own = 0;   // part of it that shows emission and background

@@ -51,16 +51,6 @@ void fit(shading::FrameBuffers& out, Size size, bool layers, bool estimate, bool
     resize(out.shadow, size, static_cast<int>(lights));
 }
 
-// Under an environment image, rays that meet nothing bring the mean of what their own pixel's lobe sees of it: pixels
-// whose lobes point elsewhere do not have it.
-LobeFilterOptions lobe_filter_options(const Techniques& techniques)
-{
-    LobeFilterOptions options;
-    if (techniques.environment && !techniques.environment->empty())
-        options.rays_alike = options.image_alike, options.rays_unlike = options.image_unlike;
-    return options;
-}
-
 // Whether some surface may have a lobe that is reflected by rays (shading/lobe_rays.h).
 bool has_lobes(const scene::Scene& scene)
 {
@@ -391,11 +381,10 @@ FrameCounters trace_frame(const scene::SceneState& state, const ray::RayScene& r
         report_progress("tracing", static_cast<double>(++done) / static_cast<double>(pass.tiles()));
     });
 
-    const LobeFilterOptions filter = lobe_filter_options(techniques);
     if (lobes && filters)
-        lobes->add_to(*sums, tasks, filter);
+        lobes->add_to(*sums, tasks);
     else if (lobes)
-        lobes->add_to(out.color, 1.0f / static_cast<float>(options.samples), tasks, filter);
+        lobes->add_to(out.color, 1.0f / static_cast<float>(options.samples), tasks);
     if (filters && blur && blur->any())
         blur->keep(std::move(*sums), image::sample_weights(options.filter, glm::vec2(0.5f)), options.samples,
                    options.tile);

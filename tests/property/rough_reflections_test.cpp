@@ -99,6 +99,76 @@ std::vector<float> reference(const Scene& scene, int size, int paths, std::uint6
     return rendered(scene, options);
 }
 
+constexpr int k_row = 200, k_column = 100;   // pixels
+
+// Two balls side by side, and a window a hundred times as bright as the rest.
+Scene balls(float roughness)
+{
+    SceneBuilder builder;
+    const MeshId ball = add_ball(builder);
+    const MaterialId material = builder.material(metal(roughness));
+    for (const double x : {-0.5, 0.5})
+        builder.instance(ball, material, Transform::translation(x, 0, 0) * Transform::scaling(0.45, 0.45, 0.45));
+    constexpr int k_columns = 256, k_rows = 128;
+    std::vector<float> pixels(3 * k_columns * k_rows, 0.05f);
+    for (int y = 20; y < 50; ++y)
+        for (int x = 20; x < 90; ++x) std::fill_n(pixels.begin() + 3 * (y * k_columns + x), 3, 5.0f);
+    builder.environment({.width = k_columns, .height = k_rows, .pixels = pixels});
+    Camera camera;
+    camera.transform = Transform::look_at({0, 0, 4}, {0, 0, 0});
+    camera.vertical_fov = 2 * std::atan(0.5 / 4);
+    builder.camera(camera);
+    return builder.finish();
+}
+
+std::vector<float> greens(const Scene& scene, const RenderOptions& options)
+{
+    const std::vector<float> values = rendered(scene, options);
+    std::vector<float> greens;
+    for (std::size_t i = 1; i < values.size(); i += 3) greens.push_back(values[i]);
+    return greens;
+}
+
+// Pixels more than twice as bright as seven of the eight around them.
+int dots_of(const std::vector<float>& image)
+{
+    const auto at = [&](int x, int y) { return image[static_cast<std::size_t>(y * k_row + x)]; };
+    int dots = 0;
+    for (int y = 1; y + 1 < k_column; ++y)
+        for (int x = 1; x + 1 < k_row; ++x) {
+            std::array<float, 9> around{};
+            for (int k = 0; k < 9; ++k) around[static_cast<std::size_t>(k)] = at(x + k % 3 - 1, y + k / 3 - 1);
+            std::sort(around.begin(), around.end());
+            dots += at(x, y) == around[8] && around[8] > 2 * around[7] ? 1 : 0;
+        }
+    return dots;
+}
+
+// Single rays of the lobe showed the window, and neighbours shared none of what they met: 7 to 15 dots.
+TEST(RoughReflections, SmoothMetalsHaveNoDotsBesideABrightWindow)
+{
+    for (const float roughness : {0.06f, 0.1f, 0.14f, 0.2f}) {
+        const Scene scene = balls(roughness);
+        RenderOptions options;
+        options.size = {k_row, k_column};
+        const std::vector<float> image = greens(scene, options);
+        options.reference = ReferenceLightOptions{.spp = 1024};
+        const std::vector<float> reference = greens(scene, options);
+        double difference = 0, mean = 0;
+        for (std::size_t i = 0; i < image.size(); ++i) {
+            const auto shown = [](float x) { return static_cast<double>(x / (1 + x)); };
+            difference += (shown(image[i]) - shown(reference[i])) * (shown(image[i]) - shown(reference[i]));
+            mean += shown(reference[i]);
+        }
+        const auto count = static_cast<double>(image.size());
+        const double rmse = std::sqrt(difference / count) / (mean / count);
+        std::printf("roughness %.2f: %d dots, of the reference %d; nRMSE as shown %.3f\n",
+                    static_cast<double>(roughness), dots_of(image), dots_of(reference), rmse);
+        EXPECT_LE(dots_of(image), 3) << roughness;
+        EXPECT_LE(rmse, 0.12) << roughness;
+    }
+}
+
 TEST(RoughReflections, AMetalBallInABoxIsThatOfTheReference)
 {
     constexpr int k_size = 40, k_paths = 256;
@@ -480,6 +550,7 @@ TEST(LobeFilter, TilesAreFilteredAsThePixelsByThemselves)
                      number() < 0.1f ? 0 : 0.1f + (x < 20 ? 0.3f : number()));
             pixel.to_viewer = glm::normalize(glm::vec3(bent * number(), bent * number(), 3));
             pixel.footprint = 0.01f, pixel.rays = number();
+            pixel.open = pixel.weight * number();
         }
     for (int top = 0; top < k_height; top += k_side)
         for (int left = 0; left < k_width; left += k_side) {
@@ -522,6 +593,34 @@ TEST(LobeFilter, TilesAreFilteredAsThePixelsByThemselves)
                 ++by_evenness[pixel.even == 0 ? 0 : pixel.uneven > 0 ? 1 : 2];
         }
     for (const int pixels : by_evenness) EXPECT_GT(pixels, 20);
+}
+
+// The part of all rays that leave the scene is shared, and each pixel shows its own mean of the image there.
+TEST(LobeFilter, OpenPartsAreSharedAndNotWhatIsSeenThere)
+{
+    constexpr int k_size = 32;
+    for (const float bend : {0.0f, 0.1f}) {   // of the surface
+        trace::LobeImage image = plane(k_size, 0.2f);
+        std::vector<std::uint32_t> pixels;
+        std::vector<trace::LobeRay> rays;
+        for (int y = 0; y < k_size; ++y)
+            for (int x = 0; x < k_size; ++x) {
+                trace::LobePixel& pixel = image.at(x, y);
+                pixel.light = glm::vec3(0), pixel.open = pixel.weight * static_cast<float>(x);
+                set_axis(pixel, {bend * static_cast<float>(x) / 4, 0, 1}, 0.2f);
+                pixels.push_back(static_cast<std::uint32_t>(y * k_size + x));
+                // A quarter of the rays end close by, at something dark.
+                trace::LobeRay& ray = rays.emplace_back();
+                ray.direction = pixel.axis, ray.weight = pixel.weight;
+                if (x % 2 == 0 && y % 2 == 0) ray.nearness = 0.1f, ray.normal = -pixel.axis;
+            }
+        image.set_rays(0, 0, pixels, rays);
+        for (int y = 8; y < 24; ++y)
+            for (int x = 8; x < 24; ++x)
+                EXPECT_NEAR(image.gathered(x, y).x, 0.5f * 0.75f * static_cast<float>(x),
+                            (bend == 0 ? 1e-3f : 0.1f) * static_cast<float>(x))
+                    << x << ' ' << y;
+    }
 }
 
 TEST(LobeFilter, KeptRaysAreThoseThatWereCast)
