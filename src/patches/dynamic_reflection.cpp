@@ -15,9 +15,9 @@ namespace gnomon::patches {
 
 namespace {
 
-constexpr std::size_t k_places = 256, k_least_places = 8, k_places_in_all = 1024;   // of a group, and of all groups
-constexpr std::size_t k_rays = 8;                                                   // of a place
-constexpr std::size_t k_places_at_once = 64;                                        // by a thread
+constexpr std::size_t k_places = 1024, k_least_places = 8, k_places_in_all = 1024;   // of a group, and of all groups
+constexpr std::size_t k_rays = 8;                                                    // of a place
+constexpr std::size_t k_places_at_once = 64;                                         // by a thread
 constexpr float k_least_bounce = 1e-3f;   // of the first, the last that counts
 constexpr int k_most_bounces = 64;
 constexpr float k_most_albedo = 0.98f;
@@ -30,6 +30,22 @@ constexpr double k_closed = 1e-3;
 double area_of(const glm::vec3 (&p)[3])
 {
     return 0.5 * static_cast<double>(glm::length(glm::cross(p[1] - p[0], p[2] - p[0])));
+}
+
+// Whether the fronts of a closed mesh face its inside. Skins may mirror what they move, and files with double-sided
+// materials need not care which side is the front.
+bool is_inside_out(const ray::ObjectGeometry& geometry)
+{
+    double volume = 0;
+    glm::vec3 p[3];
+    geometry.corners(0, p);
+    const glm::dvec3 origin(p[0]);
+    for (std::uint32_t t = 0; t < geometry.mesh->triangles.size(); ++t) {
+        geometry.corners(t, p);
+        const glm::dvec3 a = glm::dvec3(p[0]) - origin, b = glm::dvec3(p[1]) - origin, c = glm::dvec3(p[2]) - origin;
+        volume += glm::dot(a, glm::cross(b, c));
+    }
+    return geometry.mirrored ? volume > 0 : volume < 0;
 }
 
 // Ray r of place k, about +z: a Fibonacci lattice on the unit disk, projected up. That of each place is turned and has
@@ -55,12 +71,12 @@ DynamicReflection::Surface& DynamicReflection::surface_of(const scene::SceneStat
     // Sum the areas of what blocks light, or thins it. Thin surfaces show their insides, too.
     surface.sums.resize(mesh->triangles.size());
     glm::dvec3 vectors(0);
-    bool thin = false;
+    bool thin = false, double_sided = false;
     for (std::uint32_t t = 0; t < mesh->triangles.size(); ++t) {
         const scene::Material& material = state.scene().materials[mesh->part_of(t).material];
         const bool thins = scene::thins_light(material);
         if (material.surface_class() != scene::SurfaceClass::transparent || thins) {
-            thin = thin || thins;
+            thin = thin || thins, double_sided = double_sided || material.double_sided;
             const glm::uvec3 index = mesh->triangles[t];
             const glm::dvec3 a(mesh->positions[index.x]), b(mesh->positions[index.y]), c(mesh->positions[index.z]);
             const glm::dvec3 vector = 0.5 * glm::cross(b - a, c - a);
@@ -69,6 +85,7 @@ DynamicReflection::Surface& DynamicReflection::surface_of(const scene::SceneStat
         surface.sums[t] = surface.area;
     }
     surface.closed = !thin && glm::length(vectors) < k_closed * surface.area;
+    surface.inside_out = surface.closed && double_sided && is_inside_out(rays.geometry(object));
     return surface;
 }
 
@@ -90,7 +107,8 @@ void DynamicReflection::choose_places(Surface& surface, std::size_t wanted)
         if (u + v > 1) u = 1 - u, v = 1 - v;
         const auto share = static_cast<float>(surface.area / static_cast<double>(count) / of_triangle);
         for (std::size_t side = 0; side < sides; ++side)
-            surface.places.push_back({t, static_cast<float>(u), static_cast<float>(v), share, side == 0});
+            surface.places.push_back(
+                {t, static_cast<float>(u), static_cast<float>(v), share, (side == 0) != surface.inside_out});
     }
 }
 

@@ -79,7 +79,8 @@ class DynamicReflection {
     struct Surface {
         const scene::Mesh* mesh = nullptr;
         double area = 0;            // at rest, of what occludes light or thins it
-        bool closed = false;        // only its front is lit
+        bool closed = false;        // only its outside is lit: its front, or else
+        bool inside_out = false;    // its back
         std::vector<double> sums;   // of these areas, by triangle
         std::size_t wanted = 0;     // places
         std::vector<Place> places;

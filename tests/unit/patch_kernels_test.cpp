@@ -31,7 +31,7 @@ glm::vec3 irradiance(const PatchRows& rows, std::size_t k, const DynamicVirtualL
 {
     const glm::vec3 to = light.sample - sample(rows, k),
                     normal(rows.normal[0][k], rows.normal[1][k], rows.normal[2][k]);
-    const float square = glm::dot(to, to), cosine = glm::dot(to, normal), facing = -glm::dot(to, light.normal);
+    const float square = glm::dot(to, to), cosine = glm::dot(to, normal), facing = light.facing(to, std::sqrt(square));
     if (!(cosine > 0 && facing > 0)) return glm::vec3(0);
     return facing * cosine / (square * (static_cast<float>(k_pi) * square + light.area)) * light.flux;
 }
@@ -53,7 +53,7 @@ TEST(PatchKernels, ReceiveAsOnePatchAtATimeToTheBit)
         for (int l = 0; l < 12; ++l) {
             DynamicVirtualLight light;
             light.position = light.sample = random_point(random);
-            light.normal = glm::normalize(random_point(random));
+            light.normal = random.uniform(0.3f, 1) * glm::normalize(random_point(random));
             light.flux = glm::abs(random_point(random));
             light.area = random.uniform(0.01f, 0.5f);
             if (l % 2 == 0) light.halves = 0;

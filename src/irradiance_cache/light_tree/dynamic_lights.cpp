@@ -2,6 +2,7 @@
 // Lit surfaces of dynamic objects, as virtual lights beside those of the light tree (light_tree.h).
 #include <algorithm>
 #include <functional>
+#include <set>
 #include <unordered_map>
 
 #include "base/morton.h"
@@ -15,32 +16,58 @@ namespace {
 
 constexpr std::size_t k_rays_at_once = 256;   // by a thread
 
-// Sums surfaces by owner and by the octant that they face, and divides each sum by halves.
-class Octants {
+// Sums surfaces by owner and by the side of their object that they are on, and divides each sum by halves. Sides are
+// those of the object's own space: they turn with it, and those of a box are its faces.
+class Sides {
  public:
-    Octants(std::vector<DynamicVirtualLight>& lights, std::vector<DynamicVirtualLight>& halves)
+    Sides(std::vector<DynamicVirtualLight>& lights, std::vector<DynamicVirtualLight>& halves)
         : lights_(lights), halves_(halves)
     {
     }
 
-    void add(const DynamicVirtualLight& part)
+    void add(const DynamicVirtualLight& part, const ray::ObjectGeometry& object)
     {
-        const glm::vec3& n = part.normal;
-        const std::uint32_t octant = (n.x < 0 ? 1u : 0u) | (n.y < 0 ? 2u : 0u) | (n.z < 0 ? 4u : 0u);
+        const glm::vec3 n = object.to_world ? glm::transpose(glm::mat3(*object.to_world)) * part.normal : part.normal;
+        const glm::vec3 size = glm::abs(n);
+        const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+        const auto side = static_cast<std::uint32_t>(2 * axis + (n[axis] < 0 ? 1 : 0));
         const auto [at, first] =
-            found_.try_emplace((static_cast<std::uint64_t>(part.owner) << 3) | octant, octants_.size());
-        if (first) octants_.emplace_back();
-        octants_[at->second].push_back(static_cast<std::uint32_t>(parts_.size()));
-        parts_.push_back(part);
+            found_.try_emplace((static_cast<std::uint64_t>(part.owner) << 3) | side, sides_.size());
+        if (first) sides_.emplace_back();
+        sides_[at->second].push_back(static_cast<std::uint32_t>(parts_.size()));
+        parts_.push_back(part), own_normals_.push_back(glm::normalize(n)), owners_.insert(part.owner);
     }
 
     void finish()
     {
-        for (std::vector<std::uint32_t>& octant : octants_) lights_.push_back(sum(octant, 0));
+        const int divisions = owners_.size() <= 2 ? 2 : owners_.size() <= 5 ? 1 : 0;
+        for (std::vector<std::uint32_t>& side : sides_) divide(side, divisions);
     }
 
  private:
-    static constexpr int k_most_divisions = 6;
+    static constexpr int k_most_divisions = 8;
+    static constexpr float k_flat = 0.1f;   // spread of normals up to which a side is one light
+
+    // Adds a light for a side, or more where it is curved: what faces the ground is darker than what faces the sky.
+    void divide(std::span<std::uint32_t> some, int divisions)
+    {
+        glm::vec3 mean(0), squares(0);
+        float area = 0;
+        for (const std::uint32_t k : some) {
+            const glm::vec3& n = own_normals_[k];
+            mean += parts_[k].area * n, squares += parts_[k].area * n * n, area += parts_[k].area;
+        }
+        if (area > 0) mean /= area, squares = squares / area - mean * mean;
+        if (divisions == 0 || !(1 - glm::dot(mean, mean) > k_flat)) {
+            lights_.push_back(sum(some, 0));
+            return;
+        }
+        const int axis = squares.x >= squares.y && squares.x >= squares.z ? 0 : squares.y >= squares.z ? 1 : 2;
+        const auto middle = std::stable_partition(some.begin(), some.end(),
+                                                  [&](std::uint32_t k) { return own_normals_[k][axis] < mean[axis]; });
+        for (const std::span<std::uint32_t> half : {std::span(some.begin(), middle), std::span(middle, some.end())})
+            if (!half.empty()) divide(half, divisions - 1);
+    }
 
     // Means weighted by flux, and the surface nearest to the mean position as the sample.
     DynamicVirtualLight sum(std::span<std::uint32_t> some, int level)
@@ -54,13 +81,13 @@ class Octants {
             light.position += weight * part.position, light.normal += weight * part.normal;
             box.add(part.position);
         }
-        const float flux = luminance(light.flux), length = glm::length(light.normal);
-        if (flux > 0) light.position /= flux;
-        if (length > 0) light.normal /= length;
+        const float flux = luminance(light.flux);
+        if (flux > 0) light.position /= flux, light.normal /= flux;
         float nearest = k_infinity;
         for (const std::uint32_t k : some) {
             const float distance = glm::length(parts_[k].position - light.position);
-            if (distance < nearest) nearest = distance, light.sample = parts_[k].sample;
+            if (distance < nearest)
+                nearest = distance, light.sample = parts_[k].sample, light.sample_normal = parts_[k].normal;
         }
         if (level == k_most_divisions || some.size() < 2 || !(flux > 0)) return light;
         // Split at the median of the longest axis.
@@ -80,7 +107,9 @@ class Octants {
 
     std::vector<DynamicVirtualLight>&lights_, &halves_;
     std::vector<DynamicVirtualLight> parts_;
-    std::vector<std::vector<std::uint32_t>> octants_;
+    std::vector<glm::vec3> own_normals_;   // by part, in the space of its object
+    std::set<std::uint32_t> owners_;
+    std::vector<std::vector<std::uint32_t>> sides_;
     std::unordered_map<std::uint64_t, std::size_t> found_;
 };
 
@@ -133,12 +162,11 @@ light_views::Rect LightTree::footprint(const View& view, scene::ObjectId object)
     return light_views::footprint(view.projection, state_->object_matrix(object), casters_.box(object));
 }
 
-// Finds the lit surfaces of dynamic objects, in every frame in which one moves, and sums them by owner and by the
-// octant that they face.
+// Finds the lit surfaces of dynamic objects, in every frame in which one moves, and sums them by owner and by side.
 void LightTree::gather_dynamic(Tasks& tasks)
 {
     dynamic_.clear(), dynamic_halves_.clear();
-    Octants octants(dynamic_, dynamic_halves_);
+    Sides sides(dynamic_, dynamic_halves_);
     ray::RayQueue queue;
     queue.purpose = ray::RayClass::indirect;
     ray::Hits hits;
@@ -186,15 +214,17 @@ void LightTree::gather_dynamic(Tasks& tasks)
             if (hits.object[i] == scene::none || !state_->is_dynamic(hits.object[i])) continue;
             const Leaf leaf = leaf_at(view, queue, hits, i, measure[i], factor);
             if (leaf.area > 0)
-                octants.add({owner_of(leaf.object), leaf.position, leaf.normal, leaf.sample, leaf.flux, leaf.area});
+                sides.add(
+                    {owner_of(leaf.object), leaf.position, leaf.normal, leaf.sample, leaf.normal, leaf.flux, leaf.area},
+                    rays_->geometry(leaf.object));
         }
     }
-    octants.finish();
+    sides.finish();
     keep_brightest(dynamic_, options_.dynamic_lights);
     if (!patches_) return;
     // Add what the objects reflect of other light, as lights of their own: they have other areas.
     std::vector<DynamicVirtualLight> others;
-    Octants of_others(others, dynamic_halves_);
+    Sides of_others(others, dynamic_halves_);
     const std::vector<glm::vec3> exitance = patches_->exitance_now(lost_);
     std::vector<std::vector<scene::ObjectId>> groups = dynamic_groups_;
     groups.insert(groups.end(), thin_groups_.begin(), thin_groups_.end());
@@ -203,7 +233,8 @@ void LightTree::gather_dynamic(Tasks& tasks)
                             {patches_->patches(), exitance, patches_->surroundings(), sized_,
                              std::max(patches_->bounce_count() - 1, 0)},
                             tasks))
-        of_others.add({owner_of(r.object), r.position, r.normal, r.sample, r.flux, r.area});
+        of_others.add({owner_of(r.object), r.position, r.normal, r.sample, r.normal, r.flux, r.area},
+                      rays_->geometry(r.object));
     of_others.finish();
     keep_brightest(others, options_.dynamic_lights);
     dynamic_.insert(dynamic_.end(), others.begin(), others.end());

@@ -593,7 +593,7 @@ std::size_t LightTree::bytes() const
                         children_.size() * (10 * sizeof(float) + 2 * sizeof(NodeId)) +
                         patch_difference_.r.size() * 3 * sizeof(float);
     for (const View& view : views_) bytes += view.patch.size() * sizeof(std::uint16_t);
-    if (patches_) bytes += patches_->bytes() + occluders_.bytes() + lit_areas_.capacity() * sizeof(float);
+    if (patches_) bytes += patches_->bytes() + occluders_.bytes();
     return bytes;
 }
 

@@ -54,25 +54,37 @@ struct VirtualLightQuad {
     float x[4], y[4], z[4];      // mean position, weighted by static flux
     float radius[4];             // of a sphere around it that encloses all leaves
     float nx[4], ny[4], nz[4];   // mean normal, weighted by static flux; shorter than 1 if normals differ
-    float area[4];               // of the surfaces, square units
-    float flux[4];               // static flux, luminance; 0: no node
+    // Of the surfaces, square units; over patches, that of the surfaces from which the static flux comes: less than all
+    // below where some are brighter than others.
+    float area[4];
+    float flux[4];   // static flux, luminance; 0: no node
 };
 
-/// The surfaces of a dynamic object, or of a group, that face one octant and reflect light.
+/// The surfaces of a dynamic object, or of a group, that are on one side of it and reflect light.
 struct DynamicVirtualLight {
     std::uint32_t owner = 0;            // owner_of() the object
-    glm::vec3 position{0}, normal{0};   // means weighted by flux; the normal is unit
+    glm::vec3 position{0}, normal{0};   // means weighted by flux; the normal is shorter than 1 if normals differ
     glm::vec3 sample{0};                // place for which visibility is tested
+    glm::vec3 sample_normal{0};         // of the surface there, unit
     glm::vec3 flux{0};
     float area = 0;
     std::uint32_t halves = scene::none;   // LightTree::dynamic_halves(): the first of two that it consists of
 
+    /// How far cosines at its surfaces reach to both sides of that of the mean normal (point_kernels.h).
+    float reach() const { return std::sqrt(std::max(1 - glm::dot(normal, normal), k_least_spread)); }
+    /// The mean cosine at its surfaces of a way to it, times the way's length, of those that face the way.
+    float facing(const glm::vec3& to, float length) const
+    {
+        const float mean = -glm::dot(to, normal), most = reach() * length;
+        const float within = std::max(std::min(mean, most) + most, 0.0f);
+        return 0.25f * (within * within) / most + std::max(mean - most, 0.0f);
+    }
     /// Whether its halves must stand for it at this squared distance, as a disk seen from near by would be wrong.
     bool is_near(float square) const { return square < near_square(); }
     float near_square() const { return halves != scene::none ? k_near * area : 0; }
 
  private:
-    static constexpr float k_near = 6;
+    static constexpr float k_near = 6, k_least_spread = 1e-6f;
 };
 
 /// Calls use(part) for the parts of a light that are small as seen from a point.
@@ -83,6 +95,24 @@ void for_each_part(const DynamicVirtualLight& light, std::span<const DynamicVirt
     const glm::vec3 way = light.sample - point;
     if (!light.is_near(glm::dot(way, way))) return use(light);
     for (std::uint32_t k = light.halves; k < light.halves + 2; ++k) for_each_part(halves[k], halves, point, use);
+}
+
+/// The place to which a ray tells whether a point sees a light: its sample, or where the surface there faces away from
+/// the point, that of the parts that bring most light, as facing_place() of nodes.
+inline glm::vec3 facing_sample(const DynamicVirtualLight& light, std::span<const DynamicVirtualLight> halves,
+                               const glm::vec3& point)
+{
+    const DynamicVirtualLight* at = &light;
+    while (at->halves != scene::none && !(glm::dot(point - at->sample, at->sample_normal) > 0)) {
+        const auto brings = [&](const DynamicVirtualLight& half) {
+            const glm::vec3 to = half.sample - point;
+            const float square = glm::dot(to, to);
+            return luminance(half.flux) * half.facing(to, std::sqrt(square)) / (square * std::sqrt(square));
+        };
+        const DynamicVirtualLight &one = halves[at->halves], &two = halves[at->halves + 1];
+        at = brings(one) >= brings(two) ? &one : &two;
+    }
+    return at->sample;
 }
 
 class LightTree {
@@ -118,9 +148,6 @@ class LightTree {
     const Flux& patch_difference() const { return patch_difference_; }
     /// Null: there are no patches.
     const PatchLight* patch_light() const { return patches_.get(); }
-    /// By node over patches, from first_patch() on: the area from which its static flux comes. Where all below are
-    /// equally bright, that is their area; else less.
-    std::span<const float> lit_areas() const { return lit_areas_; }
     /// The leaf that is a patch.
     NodeId node_of(patches::PatchId patch) const { return patch_first_ + patches_->node(patch); }
     bool any_patch_differs() const { return patches_ && patches_->differs(); }
@@ -250,7 +277,6 @@ class LightTree {
     scene::SizedLights sized_;                                        // that light the patches
     std::unique_ptr<PatchLight> patches_;                             // null: they would have no light
     NodeId patch_first_ = 0;                                          // all nodes, without patches
-    std::vector<float> lit_areas_;
     Flux patch_difference_;
     bool patches_changed_ = false;   // in this frame
     std::vector<VirtualLightQuad> quads_;

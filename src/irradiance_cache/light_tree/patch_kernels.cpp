@@ -24,7 +24,8 @@ std::size_t receive_untested_of(PatchRows& rows, const DynamicVirtualLight& ligh
         return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
     };
     const V zero = hn::Zero(d), pi = hn::Set(d, static_cast<float>(k_pi)), area = hn::Set(d, light.area),
-            near_square = hn::Set(d, light.near_square()), fraction = hn::Set(d, untested);
+            near_square = hn::Set(d, light.near_square()), reach = hn::Set(d, light.reach()),
+            quarter = hn::Set(d, 0.25f), fraction = hn::Set(d, untested);
     const V light_normal[3] = {hn::Set(d, light.normal.x), hn::Set(d, light.normal.y), hn::Set(d, light.normal.z)};
     const V weights[3] = {hn::Set(d, 0.2126f), hn::Set(d, 0.7152f), hn::Set(d, 0.0722f)};   // luminance()
     std::size_t found = 0;
@@ -35,7 +36,10 @@ std::size_t receive_untested_of(PatchRows& rows, const DynamicVirtualLight& ligh
             to[i] = hn::Sub(hn::Set(d, light.sample[i]), hn::Load(d, rows.sample[i] + k));
             normal[i] = hn::Load(d, rows.normal[i] + k);
         }
-        const V square = dot(to, to), cosine = dot(to, normal), facing = hn::Neg(dot(to, light_normal));
+        const V square = dot(to, to), cosine = dot(to, normal), mean = hn::Neg(dot(to, light_normal));
+        const V most = hn::Mul(reach, hn::Sqrt(square)), within = hn::Max(hn::Add(hn::Min(mean, most), most), zero);
+        const V facing =
+            hn::Add(hn::Div(hn::Mul(quarter, hn::Mul(within, within)), most), hn::Max(hn::Sub(mean, most), zero));
         const auto faces = hn::And(hn::Gt(cosine, zero), hn::Gt(facing, zero));
         const V kernel = hn::IfThenElseZero(
             faces, hn::Div(hn::Mul(facing, cosine), hn::Mul(square, hn::Add(hn::Mul(pi, square), area))));

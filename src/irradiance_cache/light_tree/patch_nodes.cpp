@@ -119,7 +119,6 @@ void LightTree::light_patches(Tasks& tasks)
     patches_->light_static(lit_patches(false), tasks);
     const PatchTree& tree = patches_->tree();
     const std::span<const patches::Patch> all = patches_->patches().patches();
-    lit_areas_.assign(tree.children.size(), 0);
     for (std::size_t q = tree.children.size() / 4; q-- > 0;)
         for (std::size_t lane = 0; lane < 4; ++lane) {
             const std::size_t n = 4 * q + lane;
@@ -128,12 +127,10 @@ void LightTree::light_patches(Tasks& tasks)
             glm::vec3 position(0), normal(0), sample(0), flux(0);
             NodeId leaf = id;   // that the sample lies on
             float radius = 0, area = 0;
-            float& lit = lit_areas_[n];
             if (tree.patch[n] != patches::k_no_patch) {
                 const patches::Patch& patch = all[tree.patch[n]];
                 position = patch.position, normal = patch.normal, sample = patch.sample;
                 radius = patch.radius, area = patch.area, flux = patches_->static_flux()[tree.patch[n]];
-                lit = area;
             } else if (tree.children[n] != scene::none) {
                 // Means weighted by flux, over the four children in a fixed order.
                 const NodeId first = patch_first_ + 4 * tree.children[n];
@@ -142,13 +139,14 @@ void LightTree::light_patches(Tasks& tasks)
                 for (NodeId c = 0; c < 4; ++c) {
                     if (!(below.flux[c] > 0)) continue;
                     flux += static_flux_.at(first + c);
-                    weight += below.flux[c], area += below.area[c];
-                    squares += below.flux[c] * (below.flux[c] / lit_areas_[first - patch_first_ + c]);
+                    weight += below.flux[c];
+                    squares += below.flux[c] * (below.flux[c] / below.area[c]);
                     position += below.flux[c] * glm::vec3(below.x[c], below.y[c], below.z[c]);
                     normal += below.flux[c] * glm::vec3(below.nx[c], below.ny[c], below.nz[c]);
                 }
                 if (weight > 0) position /= weight, normal /= weight;
-                if (squares > 0) lit = weight * (weight / squares);
+                // The area of evenly lit surfaces with as much light: what is all but dark does not count.
+                if (squares > 0) area = weight * (weight / squares);
                 // The place that is nearest to the mean, of children that give much of the light: others may lie behind
                 // a wall.
                 const float least = k_much * *std::max_element(below.flux, below.flux + 4);

@@ -21,7 +21,7 @@ float kernel(const DynamicVirtualLight& light, const patches::Patch& patch)
 {
     const glm::vec3 to = light.sample - patch.sample;
     const float square = glm::dot(to, to);
-    const float cosine = glm::dot(to, patch.normal), facing = -glm::dot(to, light.normal);
+    const float cosine = glm::dot(to, patch.normal), facing = light.facing(to, std::sqrt(square));
     if (!(cosine > 0) || !(facing > 0)) return 0.0f;
     return facing * cosine / (square * (static_cast<float>(k_pi) * square + light.area));
 }
@@ -149,7 +149,7 @@ class Receiver {
                 for_each_part(light, lights_.halves, from.sample, [&](const DynamicVirtualLight& part) {
                     const float of_part = kernel(part, from);
                     if (!(of_part > 0)) return;
-                    const glm::vec3 to = part.sample - from.sample;
+                    const glm::vec3 to = facing_sample(part, lights_.halves, from.sample) - from.sample;
                     if (shadow && shadow->hides(to, 0)) {
                         hidden(owner, k) = Hidden::some;
                         return;

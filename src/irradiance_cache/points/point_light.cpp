@@ -164,7 +164,7 @@ glm::vec3 StaticVisibility::facing_of_seen(const CacheFrame& frame, const CacheP
         const NodeId node = seen_node(seen);
         if (node < frame.lights.first_patch()) continue;
         const glm::vec3 to = frame.lights.samples().at(node) - point.origin();
-        const float area = frame.lights.lit_areas()[node - frame.lights.first_patch()];
+        const float area = frame.lights.quad(node / 4).area[node % 4];
         facing += to * (seen_weight(seen) * area / glm::length(to));
     }
     return facing;
@@ -390,7 +390,7 @@ void PresentLight::add_dynamic_lights(const CacheFrame& frame, CachePoint& point
     const auto add = [&](const DynamicVirtualLight& light, bool tested) {
         const glm::vec3 to = light.sample - point.origin();
         const float square = glm::dot(to, to), distance = std::sqrt(square);
-        const float cosine = glm::dot(to, point.normal), facing = -glm::dot(to, light.normal);
+        const float cosine = glm::dot(to, point.normal), facing = light.facing(to, distance);
         if (!(cosine > 0) || !(facing > 0) || !(glm::dot(to, point.horizon) > 0)) return;
         // The kernel of a disk, as for nodes of the tree (point_kernels.h).
         const float kernel = facing / distance / (static_cast<float>(k_pi) * square + light.area);
@@ -399,7 +399,8 @@ void PresentLight::add_dynamic_lights(const CacheFrame& frame, CachePoint& point
             point.add_light(light.flux, direction);
             return;
         }
-        bounce_rays_.push(point.origin(), 0, to, frame.options.light_tree.ray_end);
+        const glm::vec3 place = facing_sample(light, frame.lights.dynamic_halves(), point.origin());
+        bounce_rays_.push(point.origin(), 0, place - point.origin(), frame.options.light_tree.ray_end);
         bounces_.push_back({&point, light.flux, direction});
     };
     for (const DynamicVirtualLight& light : frame.lights.dynamic_lights()) {
