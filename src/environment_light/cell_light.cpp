@@ -114,7 +114,7 @@ SeenByLobe CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> s
     const float alpha = roughness * roughness, a2 = alpha * alpha;
     const float n_v = std::max(glm::dot(lobe.normal, lobe.to_viewer), 1e-3f);
     const WeightedLobe weighted{
-        lobe.to_viewer, lobe.normal, lobe.horizon, a2, n_v, std::sqrt(a2 + (1 - a2) * n_v * n_v)};
+        lobe.to_viewer, lobe.normal, lobe.horizon, a2, n_v, std::sqrt(a2 + (1 - a2) * n_v * n_v), lobe.f0, lobe.f90};
     // By lane, so that the sums have a fixed order.
     const LobeSums sums = lobe_sums(weighted,
                                     {{mean_[0].data(), mean_[1].data(), mean_[2].data()},
@@ -141,13 +141,16 @@ SeenByLobe CellLight::seen_by(const Lobe& lobe, std::span<const std::uint64_t> s
     const float visible = angle > 0 ? std::clamp(visible_angle / angle, 0.0f, 1.0f) : 0;
     SeenByLobe result;
     result.open = (mean * share + k_least_seen * mean) / (visible + k_least_seen);
-    const float by_cells =
-        std::clamp((lobe.roughness - options_.by_tables) / (options_.by_cells - options_.by_tables), 0.0f, 1.0f);
+    const auto by_cells_between = [&](float tables, float cells) {
+        return std::clamp((lobe.roughness - tables) / (cells - tables), 0.0f, 1.0f);
+    };
+    const float by_cells = by_cells_between(options_.by_tables, options_.by_cells),
+                open_by_cells = by_cells_between(options_.open_by_tables, options_.open_by_cells);
     if (by_cells < 1) {
-        const glm::vec3 by_table = lobe.round
-                                       ? blurred(lobe.mirrored, lobe.roughness)
-                                       : lobes().reflected(lobe.to_viewer, lobe.normal, lobe.mirrored, lobe.roughness);
-        mean = glm::mix(by_table, mean, by_cells), result.open = glm::mix(by_table, result.open, by_cells);
+        const glm::vec3 by_table = lobe.round ? blurred(lobe.mirrored, lobe.roughness)
+                                              : lobes().reflected(lobe.to_viewer, lobe.normal, lobe.mirrored,
+                                                                  lobe.roughness, {lobe.f0, lobe.f90});
+        mean = glm::mix(by_table, mean, by_cells), result.open = glm::mix(by_table, result.open, open_by_cells);
     }
     result.light = mean * share;
     const float all = luminance(mean);

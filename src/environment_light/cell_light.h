@@ -32,8 +32,9 @@ namespace gnomon::environment_light {
 struct CellLightOptions {
     int normals = 96;               // a side, of the table over normals
     float least_roughness = 0.4f;   // of the lobe that visibility is weighted by
-    // Of lobes: up to the first from tables, from the second on by cells.
-    float by_tables = 0.3f, by_cells = 0.45f;
+    // Of lobes: up to the first from tables, from the second on by cells. And likewise, what rays of lobes show that
+    // leave the scene: cells leave out what is below the horizon, which tables do not.
+    float by_tables = 0.45f, by_cells = 0.6f, open_by_tables = 0.3f, open_by_cells = 0.45f;
 };
 
 /// What arrives at a surface from visible cells.
@@ -48,6 +49,7 @@ struct Lobe {
     glm::vec3 mirrored{0};             // the direction that a mirror shows
     glm::vec3 normal{0}, horizon{0};   // what lies below the plane of either has no weight
     float roughness = 1;               // perceptual
+    float f0 = 1, f90 = 1;             // reflectance where it faces the viewer, and at grazing angles
     bool round = false;                // seen as along the normal, which needs fewer tables: for previews
 };
 

@@ -59,7 +59,8 @@ LobeSums lobe_sums_of(const WeightedLobe& lobe, const CellLists& cells, std::spa
     };
     const V zero = hn::Zero(d), one = hn::Set(d, 1), two = hn::Set(d, 2), least = hn::Set(d, 1e-6f);
     const V a2 = hn::Set(d, lobe.a2), less = hn::Set(d, lobe.a2 - 1), more = hn::Set(d, 1 - lobe.a2);
-    const V n_v = hn::Set(d, lobe.n_v), masking = hn::Set(d, lobe.masking);
+    const V n_v = hn::Set(d, lobe.n_v), masking = hn::Set(d, lobe.masking), half = hn::Set(d, 0.5f);
+    const V f0 = hn::Set(d, lobe.f0), rise = hn::Set(d, lobe.f90 - lobe.f0);
     LobeSums sums;
     for (std::size_t offset = 0; offset < k_sum_lanes; offset += lanes) {
         V all[3] = {zero, zero, zero}, visible[3] = {zero, zero, zero}, angles = zero, visible_angles = zero;
@@ -76,7 +77,10 @@ LobeSums lobe_sums_of(const WeightedLobe& lobe, const CellLists& cells, std::spa
             const V t = hn::Add(hn::Mul(half2, less), one);
             const V shadowing = hn::Sqrt(hn::Add(a2, hn::Mul(hn::Mul(more, n_l), n_l)));
             const V below = hn::Mul(hn::Mul(t, t), hn::Add(hn::Mul(n_l, masking), hn::Mul(n_v, shadowing)));
-            const V weight = hn::IfThenElseZero(counts, hn::Div(n_l, below));
+            const V v_h = hn::Sqrt(hn::Max(hn::Mul(half, hn::Add(one, l_v)), zero)), away = hn::Sub(one, v_h);
+            const V square = hn::Mul(away, away), fifth = hn::Mul(hn::Mul(square, square), away);
+            const V fresnel = hn::Add(f0, hn::Mul(rise, fifth));
+            const V weight = hn::IfThenElseZero(counts, hn::Mul(fresnel, hn::Div(n_l, below)));
             const std::uint64_t bits = seen[first / 64] >> (first % 64) & ((1u << lanes) - 1);
             alignas(8) std::uint8_t bytes[8];
             for (std::size_t i = 0; i < sizeof bytes; ++i) bytes[i] = static_cast<std::uint8_t>(bits >> (8 * i));
@@ -120,10 +124,13 @@ float lobe_weight(const WeightedLobe& lobe, const glm::vec3& direction)
     const float n_l = glm::dot(lobe.normal, direction), g_l = glm::dot(lobe.horizon, direction);
     if (!(n_l > 0 && g_l > 0)) return 0;
     const float both = n_l + lobe.n_v;
-    const float half2 = both * both / std::max(2 + 2 * glm::dot(lobe.to_viewer, direction), 1e-6f);
+    const float l_v = glm::dot(lobe.to_viewer, direction);
+    const float half2 = both * both / std::max(2 + 2 * l_v, 1e-6f);
     const float t = half2 * (lobe.a2 - 1) + 1;
     const float shadowing = std::sqrt(lobe.a2 + (1 - lobe.a2) * n_l * n_l);
-    return n_l / (t * t * (n_l * lobe.masking + lobe.n_v * shadowing));
+    const float away = 1 - std::sqrt(std::max(0.5f * (1 + l_v), 0.0f)), square = away * away;
+    const float fresnel = lobe.f0 + (lobe.f90 - lobe.f0) * (square * square * away);
+    return fresnel * (n_l / (t * t * (n_l * lobe.masking + lobe.n_v * shadowing)));
 }
 
 LobeSums lobe_sums(const WeightedLobe& lobe, const CellLists& cells, std::span<const std::uint64_t> seen)

@@ -46,6 +46,7 @@ struct WeightedLobe {
     float a2 = 1;                                    // the fourth power of the roughness
     float n_v = 1;                                   // cosine of the view, above 0
     float masking = 1;                               // of the viewer's direction
+    float f0 = 1, f90 = 1;                           // see Lobe
 };
 
 struct LobeSums {
@@ -54,7 +55,7 @@ struct LobeSums {
 };
 
 /// The weight of one direction: the distribution of normals times masking and shadowing of the microfacets [Heitz 2014,
-/// equation 99], without constant factors; 0 below a horizon.
+/// equation 99] times their reflectance [Schlick 1994], without constant factors; 0 below a horizon.
 float lobe_weight(const WeightedLobe& lobe, const glm::vec3& direction);
 
 /// Sums over all cells above both horizons, and over those that are seen.

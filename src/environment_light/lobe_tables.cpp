@@ -227,7 +227,8 @@ glm::vec3 LobeTables::spot_at(const glm::vec3& direction, float width)
     return glm::mix(spot(above - 1).at(direction), spot(above).at(direction), t);
 }
 
-glm::vec3 LobeTables::at_slant(const glm::vec3& to_viewer, const glm::vec3& normal, float alpha)
+glm::vec3 LobeTables::at_slant(const glm::vec3& to_viewer, const glm::vec3& normal, float alpha,
+                               const Reflectance& reflectance)
 {
     static const std::array<Place, k_directions> places = spiral();
     const float a2 = alpha * alpha;
@@ -250,8 +251,10 @@ glm::vec3 LobeTables::at_slant(const glm::vec3& to_viewer, const glm::vec3& norm
         const float v_h = v_x * h.x + n_v * h.z;
         const glm::vec3 light = 2 * v_h * h - glm::vec3(v_x, 0, n_v);
         if (!(light.z > 0)) continue;
+        const float away = 1 - std::clamp(v_h, 0.0f, 1.0f), square = away * away;
+        const float fresnel = reflectance.f0 + (reflectance.f90 - reflectance.f0) * (square * square * away);
         const float weight =
-            place.part * (1 + of_viewer) / (1 + of_viewer + lambda(std::max(light.z, k_least_cosine), a2));
+            fresnel * place.part * (1 + of_viewer) / (1 + of_viewer + lambda(std::max(light.z, k_least_cosine), a2));
         // Spread it over the solid angle that the place stands for: parts are that far apart.
         const float d = h.z * h.z * (a2 - 1) + 1;
         const float angle = 4 * static_cast<float>(k_pi) * n_v * (1 + of_viewer) * d * d / a2 * place.part;
@@ -263,7 +266,7 @@ glm::vec3 LobeTables::at_slant(const glm::vec3& to_viewer, const glm::vec3& norm
 }
 
 glm::vec3 LobeTables::reflected(const glm::vec3& to_viewer, const glm::vec3& normal, const glm::vec3& mirrored,
-                                float roughness)
+                                float roughness, const Reflectance& reflectance)
 {
     if (roughness < k_roughness[0]) return narrow(to_viewer, normal, mirrored, roughness * roughness);
     const float cosine = glm::dot(normal, to_viewer);
@@ -272,7 +275,7 @@ glm::vec3 LobeTables::reflected(const glm::vec3& to_viewer, const glm::vec3& nor
     const float resolved = std::clamp((roughness - k_narrow) / (k_resolved - k_narrow), 0.0f, 1.0f);
     const float slant = t * t * (3 - 2 * t) * resolved;
     if (slant == 0) return along_normal(mirrored, roughness);
-    const glm::vec3 light = at_slant(to_viewer, normal, roughness * roughness);
+    const glm::vec3 light = at_slant(to_viewer, normal, roughness * roughness, reflectance);
     return slant == 1 ? light : glm::mix(along_normal(mirrored, roughness), light, slant);
 }
 

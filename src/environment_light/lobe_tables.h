@@ -32,11 +32,19 @@ class LobeTables {
     /// @param environment  kept by reference
     explicit LobeTables(const scene::Environment& environment);
 
-    /// The mean radiance that a lobe sees. Thread-safe. All directions are unit.
+    /// What microfacets reflect where they face the viewer, and at grazing angles [Schlick 1994].
+    struct Reflectance {
+        float f0 = 1, f90 = 1;
+    };
+    /// The mean radiance that a lobe sees, weighted by what it reflects. Thread-safe. All directions are unit.
     /// @param mirrored   the direction that a mirror shows
     /// @param roughness  perceptual
-    glm::vec3 reflected(const glm::vec3& to_viewer, const glm::vec3& normal, const glm::vec3& mirrored,
-                        float roughness);
+    glm::vec3 reflected(const glm::vec3& to_viewer, const glm::vec3& normal, const glm::vec3& mirrored, float roughness,
+                        const Reflectance& reflectance);
+    glm::vec3 reflected(const glm::vec3& to_viewer, const glm::vec3& normal, const glm::vec3& mirrored, float roughness)
+    {
+        return reflected(to_viewer, normal, mirrored, roughness, {});
+    }
     /// The same, viewed along the normal.
     glm::vec3 along_normal(const glm::vec3& mirrored, float roughness);
     std::size_t bytes() const;
@@ -60,7 +68,8 @@ class LobeTables {
     glm::vec3 gather(const glm::vec3& around, float width, float reach, const Weight& weight) const;
     const DirectionTable& lobe(std::size_t number);
     const DirectionTable& spot(std::size_t number);
-    glm::vec3 at_slant(const glm::vec3& to_viewer, const glm::vec3& normal, float alpha);
+    glm::vec3 at_slant(const glm::vec3& to_viewer, const glm::vec3& normal, float alpha,
+                       const Reflectance& reflectance);
     glm::vec3 narrow(const glm::vec3& to_viewer, const glm::vec3& normal, const glm::vec3& mirrored, float alpha);
     glm::vec3 spot_at(const glm::vec3& direction, float width);
 

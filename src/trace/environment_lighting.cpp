@@ -477,6 +477,8 @@ void EnvironmentLighting::light_some(const PointBatch& batch, std::size_t tile, 
                                                                                   .normal = s.normal,
                                                                                   .horizon = s.smooth_normal,
                                                                                   .roughness = s.roughness,
+                                                                                  .f0 = luminance(s.specular),
+                                                                                  .f90 = s.f90,
                                                                                   .round = technique_.rough()},
                                                                                  seen, partial);
             by_lobe = weight * of_image.light;
