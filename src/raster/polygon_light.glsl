@@ -53,8 +53,10 @@ float arc_sine(float x)
 }
 
 // The form factor of a polygon above the horizon of `normal`, up to its sign: Lambert's sum over the edges.
-float form_factor(Clipped polygon, vec3 normal)
+// @param middle  out: leads to the middle of what is seen of it, in this direction or the opposite one
+float form_factor(Clipped polygon, vec3 normal, out vec3 middle)
 {
+    middle = vec3(0);
     float farthest = 0;
     const vec3 first = polygon.corner[0];
     for (uint i = 1; i < polygon.count; ++i) {
@@ -70,7 +72,9 @@ float form_factor(Clipped polygon, vec3 normal)
             for (uint k = 0; k < 3; ++k) {
                 const vec3 m = 0.5 * (k == 0 ? first + b : k == 1 ? b + c : c + first);
                 const float square = dot(m, m);
-                sum += dot(area, m) * max(dot(normal, m), 0) / (square * square);
+                const float seen = dot(area, m) / (square * square);
+                sum += seen * max(dot(normal, m), 0);
+                middle += seen * m;
             }
         }
         return abs(sum) / (3 * k_pi);
@@ -85,6 +89,7 @@ float form_factor(Clipped polygon, vec3 normal)
         const float sine = 2 * half_sine * sqrt(1 - square);
         const float ratio = half_sine < 1e-3 ? 1 + (2.0 / 3.0) * square : sine > 0 ? 2 * arc_sine(half_sine) / sine : 0;
         sum += ratio / a_b * dot(normal, cross(a, b - a));
+        middle += ratio / a_b * cross(a, b - a);
     }
     return abs(sum) / (2 * k_pi);
 }
@@ -117,7 +122,17 @@ struct Lobe {
     mat3 to_cosine;
     float scale;
     vec3 albedo;   // coverage included
+    mat3 from_cosine;
+    vec3 mean;   // reflectance of all of it
 };
+
+// Reflectance of light from a direction of any length.
+vec3 reflectance(Point p, vec3 direction)
+{
+    const float cosine = dot(p.to_viewer, direction) / length(direction);
+    const float away = 1 - sqrt(clamp(0.5 * (1 + cosine), 0, 1)), square = away * away;
+    return p.specular + (vec3(1) - p.specular) * (square * square * away);
+}
 
 Lobe lobe_of(Point p)
 {
@@ -157,7 +172,19 @@ Lobe lobe_of(Point p)
     lobe.to_cosine = transpose(mat3((lobe_x - fit.c * alpha * lobe_z) / (fit.a * alpha), y / (fit.b * alpha), lobe_z));
     lobe.scale = fit.scale;
     lobe.albedo = glossy_albedo(p) * p.coverage;
+    lobe.from_cosine = inverse(lobe.to_cosine);
+    const vec2 parts = albedo_parts(n_v, p.roughness);
+    lobe.mean = (p.specular * parts.x + parts.y) / max(parts.x + parts.y, 1e-3);
     return lobe;
+}
+
+// What a lobe reflects of a part of what it sees: by the reflectance there and its mean.
+vec3 lobe_part(Point p, Lobe lobe, float share, vec3 middle)
+{
+    if (!(share > 0)) return vec3(0);
+    const vec3 there = mix(reflectance(p, lobe.from_cosine * (middle.z < 0 ? -middle : middle)), lobe.mean, share * share);
+    return lobe.albedo * share * vec3(lobe.mean.x > 0 ? there.x / lobe.mean.x : 1, lobe.mean.y > 0 ? there.y / lobe.mean.y : 1,
+                                      lobe.mean.z > 0 ? there.z / lobe.mean.z : 1);
 }
 
 struct Unshadowed {
@@ -176,11 +203,12 @@ void add_polygon(Point p, Lobe lobe, bool has_lobe, Clipped polygon, vec3 radian
         polygon = clip(polygon, normal);
         if (polygon.count < 3) return;
         if (step == 0) continue;
-        const float form = form_factor(polygon, normal);
+        vec3 middle;
+        const float form = form_factor(polygon, normal, middle);
         if (step == 1)
             sum.irradiance += k_pi * form * radiance;
         else
-            sum.lobe += lobe.albedo * min(1, lobe.scale * form) * radiance;
+            sum.lobe += lobe_part(p, lobe, min(1, lobe.scale * form), middle) * radiance;
     }
 }
 

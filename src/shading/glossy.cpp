@@ -185,6 +185,12 @@ std::span<const glm::vec2> glossy_albedo_table()
     return albedo_table().all();
 }
 
+glm::vec3 mean_reflectance(const SurfacePoint& s)
+{
+    const glm::vec2 parts = albedo_table().at(glm::dot(s.normal, s.to_viewer), s.roughness);
+    return (s.specular * parts.x + s.f90 * parts.y) / std::max(parts.x + parts.y, 1e-3f);
+}
+
 glm::vec3 glossy_albedo(const SurfacePoint& s)
 {
     const glm::vec2 parts = albedo_table().at(glm::dot(s.normal, s.to_viewer), s.roughness);

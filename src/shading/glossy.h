@@ -26,6 +26,9 @@ float glossy_density(const SurfacePoint& s, const glm::vec3& direction);
 /// The fraction of light from everywhere that the lobe reflects to the viewer, coverage left out. What it leaves
 /// reaches the diffuse layer below.
 glm::vec3 glossy_albedo(const SurfacePoint& s);
+/// The mean reflectance of the microfacets by which the lobe reflects light from everywhere to the viewer: from that of
+/// one that faces it to that at grazing angles.
+glm::vec3 mean_reflectance(const SurfacePoint& s);
 /// The table that glossy_albedo() interpolates, for shaders (lobe_shared.h): row by row of roughness, from 0 to 1, by
 /// the cosine of the view, from 0 to 1. With a reflectance of f0 at normal incidence, the albedo is f0 * x + y, before
 /// the lost energy is given back.

@@ -92,10 +92,40 @@ Clipped transformed(const Clipped& from, const glm::dmat3& matrix)
     return to;
 }
 
-double share_of(const PolygonLobe& lobe, const Clipped& polygon)
+// What microfacets reflect from a direction of any length to the viewer [Schlick 1994].
+glm::dvec3 reflectance(const PolygonLobe& lobe, const glm::dvec3& direction)
+{
+    // The cosine between the viewer and the normal that mirrors the direction.
+    const double cosine = glm::dot(glm::dvec3(lobe.to_viewer), direction) / glm::length(direction);
+    const double away = 1 - std::sqrt(std::clamp(0.5 * (1 + cosine), 0.0, 1.0)), square = away * away;
+    const glm::dvec3 f0(lobe.f0);
+    return f0 + (glm::dvec3(static_cast<double>(lobe.f90)) - f0) * (square * square * away);
+}
+
+// Lambert's sum as a vector: its part along the normal is the form factor, and it leads to the middle of what a cosine
+// sees of the polygon.
+glm::dvec3 form_vector(const Clipped& polygon)
+{
+    glm::dvec3 sum(0);
+    for (int i = 0; i < polygon.count; ++i) {
+        const glm::dvec3 &a = polygon.corner[static_cast<std::size_t>(i)],
+                         &b = polygon.corner[static_cast<std::size_t>((i + 1) % polygon.count)];
+        const glm::dvec3 cross = glm::cross(a, b);
+        const double sine2 = glm::dot(cross, cross);
+        if (sine2 > 0)
+            sum += angle_over_sine(sine2, glm::dot(a, b), std::sqrt(glm::dot(a, a) * glm::dot(b, b))) * cross;
+    }
+    return sum * (1 / (2 * k_pi));
+}
+
+// What a lobe sees of a polygon, times its reflectance there by its mean.
+glm::dvec3 share_of(const PolygonLobe& lobe, const Clipped& polygon)
 {
     constexpr glm::dvec3 up(0, 0, 1);
-    return std::min(1.0, lobe.scale * form_factor(clip(transformed(polygon, lobe.to_cosine), up), up));
+    const glm::dvec3 form = form_vector(clip(transformed(polygon, lobe.to_cosine), up));
+    const double share = std::min(1.0, lobe.scale * std::abs(form.z));
+    if (!(share > 0)) return glm::dvec3(0);
+    return share * lobe.by_mean(lobe.from_cosine * (form.z < 0 ? -form : form), share);
 }
 
 // Whether a face emits towards a point: the point is in front of it (or behind a two-sided one), and farther from its
@@ -180,7 +210,8 @@ class Sum {
         const float factor =
             std::abs(emitted) * group.area * above / (square * (square + group.area / static_cast<float>(k_pi)));
         irradiance_ += static_cast<double>(factor) * radiance;
-        reflected_ += std::min(1.0, lobe) * radiance;
+        if (lobe > 0)
+            reflected_ += std::min(1.0, lobe) * lobe_->by_mean(glm::dvec3(way), std::min(1.0, lobe)) * radiance;
         return true;
     }
     UnshadowedLight result() const
@@ -340,6 +371,18 @@ PolygonLobe::PolygonLobe(const SurfacePoint& s)
     rise = glm::length(glm::dvec3(to_cosine[0].z, to_cosine[1].z, to_cosine[2].z));
     scale = cosine.scale;
     albedo = glossy_albedo(s) * s.coverage;
+    from_cosine = glm::inverse(to_cosine);
+    to_viewer = s.to_viewer, f0 = s.specular, f90 = s.f90;
+    mean = glm::dvec3(mean_reflectance(s));
+}
+
+glm::dvec3 PolygonLobe::by_mean(const glm::dvec3& direction, double share) const
+{
+    const glm::dvec3 there = glm::mix(reflectance(*this, direction), mean, share * share);
+    glm::dvec3 result(1);
+    for (int c = 0; c < 3; ++c)
+        if (mean[c] > 0) result[c] = there[c] / mean[c];
+    return result;
 }
 
 UnshadowedLight unshadowed(const SurfacePoint& s, const scene::SizedLight& light, bool lobe,

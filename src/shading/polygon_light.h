@@ -5,7 +5,9 @@
 //
 // Diffuse: the polygon is clipped at the horizons of the geometric and of the shading normal; its irradiance is
 // Lambert's sum over the edges of what is left [Lambert 1760; Baum et al. 1989], cell by cell where the emission is
-// textured. Glossy: the same sum after the transform of a linearly transformed cosine (transformed_cosines.h). Of a
+// textured. Glossy: the same sum after the transform of a linearly transformed cosine (transformed_cosines.h), times
+// the reflectance towards what the lobe sees of the polygon, by its mean: a dielectric seen at a slant reflects ten
+// times as much of what is low as of what is high. A polygon that is all that the lobe sees has the mean. Of a
 // light with many faces, groups that are far for their size count as one small disc (scene/face_tree.h), for a lobe
 // those that are so in the space in which it is a cosine.
 //
@@ -45,7 +47,15 @@ struct PolygonLobe {
     double stretch = 1;              // no vector becomes longer than that many times
     double rise = 1;                 // nor does its height above the horizon by more than that many of its lengths
     double scale = 1;
-    glm::vec3 albedo{0};   // coverage included
+    glm::vec3 albedo{0};             // coverage included
+    glm::dmat3 from_cosine{1};       // the inverse of the first
+    glm::vec3 to_viewer{0}, f0{0};   // of the point, with the reflectance of what faces the viewer
+    float f90 = 1;                   // and at grazing angles
+    glm::dvec3 mean{1};              // reflectance of all of the lobe
+
+    /// Reflectance of light from a direction of any length by the mean of what the lobe reflects.
+    /// @param share  of the lobe that comes from around there
+    glm::dvec3 by_mean(const glm::dvec3& direction, double share) const;
 
     /// @pre has_glossy_lobe(s)
     explicit PolygonLobe(const SurfacePoint& s);

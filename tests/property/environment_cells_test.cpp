@@ -223,7 +223,8 @@ TEST(CellLight, SumsOfALobeAreThoseOfAPlainLoop)
     for (int round = 0; round < 50; ++round) {
         const glm::vec3 v = any_direction(random), n = any_direction(random), g = any_direction(random);
         const float a2 = random.uniform(0.01f, 1), n_v = random.uniform(0.01f, 1);
-        const WeightedLobe lobe{v, n, g, a2, n_v, std::sqrt(a2 + (1 - a2) * n_v * n_v)};
+        const float f0 = round % 2 == 0 ? 1 : random.uniform(0, 1), f90 = round % 2 == 0 ? 1 : random.uniform(0, 1);
+        const WeightedLobe lobe{v, n, g, a2, n_v, std::sqrt(a2 + (1 - a2) * n_v * n_v), f0, f90};
         std::array<std::uint64_t, k_words> seen{};
         for (std::uint64_t& word : seen) word = std::uint64_t{random.next()} << 32 | random.next();
         LobeSums plain;
@@ -235,7 +236,9 @@ TEST(CellLight, SumsOfALobeAreThoseOfAPlainLoop)
             if (!(n_l > 0) || !(dot(g) > 0)) continue;
             const float half2 = (n_l + n_v) * (n_l + n_v) / std::max(2 + 2 * dot(v), 1e-6f);
             const float d = half2 * (a2 - 1) + 1;
-            const float weight = n_l / (d * d * (n_l * lobe.masking + n_v * std::sqrt(a2 + (1 - a2) * n_l * n_l)));
+            const float away = 1 - std::sqrt(std::max(0.5f * (1 + dot(v)), 0.0f)), square = away * away;
+            const float weight = (f0 + (f90 - f0) * (square * square * away)) *
+                                 (n_l / (d * d * (n_l * lobe.masking + n_v * std::sqrt(a2 + (1 - a2) * n_l * n_l))));
             const std::size_t lane = leaf % k_sum_lanes;
             const bool visible = (seen[leaf / 64] >> (leaf % 64) & 1) != 0;
             plain.angles[lane] += weight * list[6][leaf];
@@ -384,6 +387,47 @@ TEST(LobeTables, LobesAtASlantSeeABrightRingAsTheirIntegralDoes)
             const glm::vec3 seen =
                 tables.reflected(glm::vec3(viewer), {0, 1, 0}, glm::vec3(-viewer.x, viewer.y, viewer.z), roughness);
             EXPECT_NEAR(static_cast<double>(seen.x) * weights / sum, 1, 0.1) << roughness << ' ' << degrees;
+        }
+}
+
+// Surroundings that are bright above and dim at the horizon, by lobes of any width of a dielectric: weighted by what it
+// reflects. The mean of all of the lobe was up to 1.5 times as bright.
+TEST(CellLight, DielectricsReflectMoreOfWhatIsLow)
+{
+    const auto radiance = [](const glm::vec3& d) { return glm::vec3(0.2f + 4 * std::max(d.y, 0.0f)); };
+    const scene::Environment environment(image_of(512, 256, radiance));
+    const DirectionCells cells(environment);
+    const CellLight light(cells, &environment);
+    const std::vector<std::uint64_t> seen((cells.leaves() + 63) / 64, ~std::uint64_t{0});
+    constexpr int k_rows = 256, k_columns = 512;
+    for (const float roughness : {0.2f, 0.35f, 0.5f, 0.7f, 1.0f})
+        for (const double degrees : {30.0, 60.0, 75.0, 82.0}) {
+            const double slant = degrees * k_pi / 180, alpha = static_cast<double>(roughness * roughness);
+            const auto lambda = [&](double cosine) {
+                return 0.5 * (std::sqrt(1 + alpha * alpha * (1 / (cosine * cosine) - 1)) - 1);
+            };
+            const glm::dvec3 viewer(std::sin(slant), std::cos(slant), 0);
+            double sum = 0, weights = 0;
+            for (int row = 0; row < k_rows; ++row)
+                for (int column = 0; column < k_columns; ++column) {
+                    const double up = (row + 0.5) / k_rows, angle = 2 * k_pi * (column + 0.5) / k_columns;
+                    const double across = std::sqrt(1 - up * up);
+                    const glm::dvec3 d(across * std::cos(angle), up, across * std::sin(angle));
+                    const glm::dvec3 h = glm::normalize(d + viewer);
+                    const double t = h.y * h.y * (alpha * alpha - 1) + 1;
+                    const double weight = (0.04 + 0.96 * std::pow(1 - glm::dot(h, viewer), 5)) /
+                                          (t * t * (1 + lambda(up) + lambda(viewer.y)));
+                    sum += weight * static_cast<double>(radiance(glm::vec3(d)).x), weights += weight;
+                }
+            const SeenByLobe of = light.seen_by({.to_viewer = glm::vec3(viewer),
+                                                 .mirrored = glm::vec3(-viewer.x, viewer.y, viewer.z),
+                                                 .normal = {0, 1, 0},
+                                                 .horizon = {0, 1, 0},
+                                                 .roughness = roughness,
+                                                 .f0 = 0.04f,
+                                                 .f90 = 1},
+                                                seen);
+            EXPECT_NEAR(static_cast<double>(of.light.x) * weights / sum, 1, 0.1) << roughness << ' ' << degrees;
         }
 }
 

@@ -253,6 +253,27 @@ TEST(PolygonLight, TransformedCosinesReflectLightsAsTheLobeDoes)
         }
 }
 
+// A dielectric reflects far more of what is low before it than of what is high: up to five times too much or too little
+// of a square was left by the mean reflectance alone.
+TEST(PolygonLight, DielectricsReflectMoreOfWhatIsLow)
+{
+    for (const float roughness : {0.3f, 0.5f, 0.7f})
+        for (const float slant : {45.0f, 60.0f, 75.0f}) {
+            const auto radians = [](float degrees) { return degrees * static_cast<float>(k_pi) / 180; };
+            const shading::SurfacePoint s = surface(roughness, std::cos(radians(slant)), glm::vec3(0.04f));
+            double found = 0, truth = 0;
+            for (const float height : {20.0f, 45.0f, 70.0f}) {
+                const glm::vec3 way(-std::cos(radians(height)), 0, std::sin(radians(height)));
+                const scene::SizedLight light = square_light(3.0f * way, 0.3f);
+                const float one = shading::unshadowed(s, light, true).lobe.x, right = integrated(s, light);
+                // Of what is far from the lobe's axis, its tails are too short or too long for any lobe.
+                EXPECT_NEAR(one / right, 1, 0.4) << roughness << ' ' << slant << ' ' << height;
+                found += static_cast<double>(one), truth += static_cast<double>(right);
+            }
+            EXPECT_NEAR(found / truth, 1, 0.25) << roughness << ' ' << slant;
+        }
+}
+
 // Groups of faces that count as discs give what the faces give, near a glowing body as far away, for any lobe.
 TEST(PolygonLight, GroupsOfFacesBringWhatTheFacesBring)
 {
@@ -314,7 +335,17 @@ TEST(PolygonLight, LobesSeeAllOfAnEvenSurrounding)
                                             glm::vec3(0, -1, 0), glm::vec3(0, 0, 1), glm::vec3(0, 0, -1)})
                 sum += shading::unshadowed(s, square_light(centre, 1), true).lobe;
             const glm::vec3 albedo = shading::glossy_albedo(s);
-            for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], albedo[c], 0.02f * albedo[c]) << roughness << ' ' << cosine;
+            for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], albedo[c], 0.03f * albedo[c]) << roughness << ' ' << cosine;
+        }
+    // And of a dielectric about all of it, although squares to its sides have reflectances of their own.
+    for (const float roughness : {0.15f, 0.3f, 0.6f, 1.0f})
+        for (const float cosine : {1.0f, 0.6f, 0.3f}) {
+            const shading::SurfacePoint s = surface(roughness, cosine, glm::vec3(0.04f));
+            float sum = 0;
+            for (const glm::vec3& centre : {glm::vec3(1, 0, 0), glm::vec3(-1, 0, 0), glm::vec3(0, 1, 0),
+                                            glm::vec3(0, -1, 0), glm::vec3(0, 0, 1), glm::vec3(0, 0, -1)})
+                sum += shading::unshadowed(s, square_light(centre, 1), true).lobe.x;
+            EXPECT_NEAR(sum / shading::glossy_albedo(s).x, 1, 0.13) << roughness << ' ' << cosine;
         }
 }
 
