@@ -404,9 +404,8 @@ void PresentLight::add_dynamic_lights(const CacheFrame& frame, CachePoint& point
         bounces_.push_back({&point, light.flux, direction});
     };
     for (const DynamicVirtualLight& light : frame.lights.dynamic_lights()) {
-        if (light.owner == point.owner) continue;
         const glm::vec3 way = light.sample - point.origin();
-        const bool near = light.is_near(glm::dot(way, way));
+        const bool near = light.owner == point.owner || light.is_near(glm::dot(way, way));
         for_each_part(light, frame.lights.dynamic_halves(), point.origin(),
                       [&](const DynamicVirtualLight& part) { add(part, near); });
     }
