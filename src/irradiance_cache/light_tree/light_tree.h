@@ -84,7 +84,7 @@ struct DynamicVirtualLight {
     float near_square() const { return halves != scene::none ? k_near * area : 0; }
 
  private:
-    static constexpr float k_near = 6, k_least_spread = 1e-6f;
+    static constexpr float k_near = 12, k_least_spread = 1e-6f;
 };
 
 /// Calls use(part) for the parts of a light that are small as seen from a point.
