@@ -77,7 +77,12 @@ TEST(Host, SameBytesAndShadowRaysAsBoxAnimated)
 TEST(Host, SameBytesAndShadowRaysAsABendingTube)
 {
     GNOMON_NEED_SCENE(file, "real/RiggedSimple/RiggedSimple.gltf");
-    compare_frames(read_file(file), small(64, 96), 1, 12, 2);
+    // Light that the tube sends to itself is resolved by light views, which cover the clip of a file. A host has not
+    // told of what comes.
+    compare_frames(read_file(file), small(64, 96), 1, 1);
+    RenderOptions direct = small(64, 96);
+    direct.indirect = Indirect::off;
+    compare_frames(read_file(file), direct, 1, 12, 2);
 }
 
 // A tetrahedron that grows, and one whose morph never changes.
