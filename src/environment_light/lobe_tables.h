@@ -41,10 +41,6 @@ class LobeTables {
     /// @param roughness  perceptual
     glm::vec3 reflected(const glm::vec3& to_viewer, const glm::vec3& normal, const glm::vec3& mirrored, float roughness,
                         const Reflectance& reflectance);
-    glm::vec3 reflected(const glm::vec3& to_viewer, const glm::vec3& normal, const glm::vec3& mirrored, float roughness)
-    {
-        return reflected(to_viewer, normal, mirrored, roughness, {});
-    }
     /// The same, viewed along the normal.
     glm::vec3 along_normal(const glm::vec3& mirrored, float roughness);
     std::size_t bytes() const;

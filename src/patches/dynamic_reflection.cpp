@@ -15,10 +15,10 @@ namespace gnomon::patches {
 
 namespace {
 
-constexpr std::size_t k_places = 1024, k_least_places = 8, k_places_in_all = 1024;   // of a group, and of all groups
-constexpr std::size_t k_rays = 8;                                                    // of a place
-constexpr std::size_t k_places_at_once = 64;                                         // by a thread
-constexpr float k_least_bounce = 1e-3f;   // of the first, the last that counts
+constexpr std::size_t k_least_places = 8, k_places_in_all = 1024;   // of a group, and of all groups
+constexpr std::size_t k_rays = 8;                                   // of a place
+constexpr std::size_t k_places_at_once = 64;                        // by a thread
+constexpr float k_least_bounce = 1e-3f;                             // of the first, the last that counts
 constexpr int k_most_bounces = 64;
 constexpr float k_most_albedo = 0.98f;
 constexpr double k_golden_angle = 2.399963229728653;   // radians
@@ -175,7 +175,7 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
     surfaces_.resize(state.scene().objects.size());
     group_of_.assign(state.scene().objects.size(), scene::none);
     first_of_group_.clear();
-    const std::size_t of_group = std::clamp(k_places_in_all / groups.size(), k_least_places, k_places);
+    const std::size_t of_group = std::max(k_places_in_all / groups.size(), k_least_places);
     for (const std::vector<scene::ObjectId>& group : groups) {
         for (const scene::ObjectId o : group) group_of_[o] = static_cast<std::uint32_t>(first_of_group_.size());
         first_of_group_.push_back(static_cast<std::uint32_t>(reflectors_.size()));

@@ -12,8 +12,8 @@
 // dynamic object to a patch and back is left out.
 //
 // The result is a function of the present state. Cost: 8 rays and one for each light, for each place, of
-// which there are 256 of objects that move together and 1,024 of all, but at least one of each object. Of more than
-// 1,024 objects that move together, 1,024 at most stand for all.
+// which there are 1,024 of all objects, but at least 8 of those that move together, and one of each object. Of more
+// than 1,024 objects that move together, 1,024 at most stand for all.
 
 #include <vector>
 

@@ -123,7 +123,7 @@ std::size_t choose_lobe_ray(const SurfacePoint& s, std::uint32_t number, LobeRay
 void widen_lobe(const ray::ObjectGeometry& geometry, std::uint32_t triangle, SurfacePoint& s)
 {
     if (s.model != scene::ShadingModel::metallic_roughness || s.specular == glm::vec3(0)) return;
-    // A half of the angles, and less, because neighbouring pixels add their rays to those of the lobe.
+    // Less than a half of the angles, because neighbouring pixels add their rays to those of the lobe.
     constexpr float k_part = 0.2f;
     const float alpha = s.roughness * s.roughness, angle = k_part * s.cone.spread;
     const float turn = k_part * s.cone.width * curvature(geometry, triangle);
