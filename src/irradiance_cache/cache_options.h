@@ -14,11 +14,12 @@ struct CacheOptions {
     // Spacing of cache points on the screen, in pixels: the first where neighbours can be interpolated, down to the
     // second where they are separated by corners.
     float widest = 24, narrowest = 12;
-    float level_blend = 0.3f;     // fraction of a level of detail over which it fades into the next
-    float pixels_per_part = 6;    // spacing of parts of dynamic objects
-    float pixels_per_leaf = 4;    // spacing of points on small triangles that no lattice fits: foliage, rods
-    float pixels_per_finer = 4;   // the same where those do not represent the pixel: slices of slender triangles
-    float pixels_per_own = 1;     // size of the part around the pixel itself, used where all other points are dark
+    float level_blend = 0.3f;      // fraction of a level of detail over which it fades into the next
+    float pixels_per_part = 6;     // size of small triangles of dynamic objects that are not divided, and of clusters
+    float pixels_per_corner = 8;   // spacing of points on larger ones
+    float pixels_per_leaf = 4;     // spacing of points on small triangles that no lattice fits: foliage, rods
+    float pixels_per_finer = 4;    // the same where those do not represent the pixel: slices of slender triangles
+    float pixels_per_own = 1;      // size of the part around the pixel itself, used where all other points are dark
     float pixels_per_closest = 0.125f;   // and of the part that takes its place where it is dark
     float pixels_per_mean = 2;           // spacing of the finest parts for points of which a mean is shown
     CutOptions cut;                      // of lattice points

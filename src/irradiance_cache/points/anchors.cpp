@@ -19,8 +19,10 @@ namespace {
 constexpr int k_bias = 1 << 17;
 constexpr std::uint64_t k_coordinate = (1u << 18) - 1;
 constexpr int k_level_bias = 32;
-// Part: bit 62: front | bit 61: near field | bit 60: slice | level (4 bits) | triangle (32) | index (16).
-constexpr int k_triangle_shift = 16, k_level_shift = 48, k_slice_shift = 60;
+// Part: bit 62: front | bit 61: near field | bit 60: slice | bit 59: corner | level (4 bits) | triangle (32) | index
+// (16).
+constexpr int k_triangle_shift = 16, k_level_shift = 48, k_slice_shift = 60, k_corner_shift = 59;
+constexpr std::uint32_t k_corner_row = 1u << 8;   // the index of a corner is i + k_corner_row j
 
 // The lattice is offset by these fractions of its spacing along the axes. Walls often stand at round coordinates, and
 // for a line within the plane of a wall, hits would depend on rounding.
@@ -144,15 +146,31 @@ AnchorKey part_key(std::uint32_t scene_triangle, bool front, std::uint32_t level
 AnchorKey key_of(const Part& part)
 {
     return (static_cast<std::uint64_t>(part.front) << 62) | (static_cast<std::uint64_t>(part.slice) << k_slice_shift) |
+           (static_cast<std::uint64_t>(part.corner) << k_corner_shift) |
            (static_cast<std::uint64_t>(part.level) << k_level_shift) |
            (static_cast<std::uint64_t>(part.triangle) << k_triangle_shift) | part.index;
 }
 
 Part part_of(AnchorKey key)
 {
-    return {static_cast<std::uint32_t>(key >> k_triangle_shift), ((key >> 62) & 1) != 0,
-            static_cast<std::uint32_t>((key >> k_level_shift) & 15), static_cast<std::uint32_t>(key & 0xffff),
-            ((key >> k_slice_shift) & 1) != 0};
+    return {static_cast<std::uint32_t>(key >> k_triangle_shift),
+            ((key >> 62) & 1) != 0,
+            static_cast<std::uint32_t>((key >> k_level_shift) & 15),
+            static_cast<std::uint32_t>(key & 0xffff),
+            ((key >> k_slice_shift) & 1) != 0,
+            ((key >> k_corner_shift) & 1) != 0};
+}
+
+AnchorKey corner_key(std::uint32_t scene_triangle, bool front, std::uint32_t level, std::uint32_t i, std::uint32_t j)
+{
+    return key_of({scene_triangle, front, level, i + k_corner_row * j, false, true});
+}
+
+glm::vec2 place_of_corner(const Part& part)
+{
+    const glm::vec2 at(part.index % k_corner_row, part.index / k_corner_row);
+    const float n = std::exp2(static_cast<float>(part.level)), inset = k_corner_inset / n;
+    return inset + (1 - 3 * inset) / n * at;
 }
 
 std::vector<std::uint32_t> first_triangles(const scene::Scene& scene)

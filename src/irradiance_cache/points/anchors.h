@@ -5,7 +5,8 @@
 //
 // Lattice points lie where the lines of a cubic lattice of spacing 2^level, along the axis that the surface faces most,
 // meet static geometry near a lattice plane. The four lines around a surface point are interpolated. Parts are
-// micro-triangles; their point is the centre. They are used on dynamic objects and where no lattice line is near.
+// micro-triangles; their point is the centre. They are used where no lattice line is near. On dynamic objects the
+// corners of micro-triangles are interpolated.
 
 #include <algorithm>
 #include <cstdint>
@@ -84,7 +85,8 @@ struct Part {
     std::uint32_t triangle = 0;   // among all triangles of the scene
     bool front = true;            // by world winding
     std::uint32_t level = 0, index = 0;
-    bool slice = false;   // of a slender triangle (slices.h), not a micro-triangle
+    bool slice = false;    // of a slender triangle (slices.h), not a micro-triangle
+    bool corner = false;   // a corner of micro-triangles, not one of them
 };
 /// How often a triangle's sides are halved until a part is no larger than `spacing`.
 struct PartDetail {
@@ -95,6 +97,15 @@ inline constexpr std::uint32_t k_part_levels = 8;
 PartDetail part_detail(float triangle_area, float spacing);
 AnchorKey part_key(std::uint32_t scene_triangle, bool front, std::uint32_t level, float u, float v);
 AnchorKey key_of(const Part& part);
+/// The corner (i, j) of the micro-triangles of a level: u = i / 2^level, v = j / 2^level.
+/// @param level  up to k_corner_levels
+AnchorKey corner_key(std::uint32_t scene_triangle, bool front, std::uint32_t level, std::uint32_t i, std::uint32_t j);
+inline constexpr std::uint32_t k_corner_levels = 7;
+/// Barycentric (u, v) of the cache point of a corner. On the triangle's sides, it lies a little inside: just at a side,
+/// what touches the triangle there would be in the way.
+/// @pre part.corner
+glm::vec2 place_of_corner(const Part& part);
+inline constexpr float k_corner_inset = 0.15f;   // of a micro-triangle's height
 Part part_of(AnchorKey key);
 /// By object: the number of its first triangle among all triangles of the scene.
 /// @throws MissingError  if there are more triangles than 32 bits can number

@@ -4,12 +4,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/check.h"
 #include "base/micro_triangles.h"
 #include "irradiance_cache/points/slices.h"
 
 namespace gnomon::irradiance_cache {
 
 namespace {
+
+// Triangles of dynamic objects are small below these twice their areas, in squares of the spacing: flat ones that would
+// not be divided, and those of smooth meshes that would be divided once.
+constexpr float k_flat_small = 2, k_smooth_small = 4;
+// One level of their corners fades into the next faster than elsewhere: both are evaluated in each frame.
+constexpr float k_faster = 2;
 
 // The cross product of a triangle's sides.
 glm::vec3 cross_of(const ray::ObjectGeometry& geometry, std::uint32_t triangle)
@@ -78,6 +85,86 @@ void add_slices(const CacheFrame& frame, PartWeights& parts, const IndirectPoint
         parts.add(slice_key(slender, triangle, front, detail.level - 1, point.u, point.v), weight * (1 - finer));
 }
 
+// Adds the corners of the micro-triangle around a point of a dynamic object, with so much weight in all.
+// @param triangle  among all of the scene
+void add_corners_around(PartWeights& parts, std::uint32_t triangle, bool front, std::uint32_t level, float u, float v,
+                        float weight)
+{
+    const auto n = static_cast<float>(1u << level);
+    // Those of the outermost ones lie a little inside (place_of_corner()).
+    const float inset = k_corner_inset / n, wider = 1 / (1 - 3 * inset);
+    const float x = std::clamp((u - inset) * wider, 0.0f, 1.0f), y = std::clamp((v - inset) * wider, 0.0f, 1.0f);
+    const float sum = std::max(x + y, 1.0f);
+    const MicroTriangle part = micro_part_at(x / sum, y / sum, level);
+    const float fx = std::clamp(n * x / sum - static_cast<float>(part.i), 0.0f, 1.0f),
+                fy = std::clamp(n * y / sum - static_cast<float>(part.j), 0.0f, 1.0f);
+    const auto add = [&](std::uint32_t i, std::uint32_t j, float w) {
+        parts.add(corner_key(triangle, front, level, part.i + i, part.j + j), weight * w);
+    };
+    if (part.upper) {
+        add(1, 1, std::max(fx + fy - 1, 0.0f));
+        add(0, 1, 1 - fx);
+        add(1, 0, 1 - fy);
+    } else {
+        add(0, 0, std::max(1 - fx - fy, 0.0f));
+        add(1, 0, fx);
+        add(0, 1, fy);
+    }
+}
+
+// Adds the clusters around the corners of a small triangle, with so much weight in all.
+void add_blend(const CacheFrame& frame, PartWeights& parts, const IndirectPoint& point, const ClusterBlends& blends,
+               bool front, float weight)
+{
+    const std::uint32_t first = frame.triangles.first(point.object);
+    const glm::uvec3 index = frame.rays->geometry(point.object).mesh->triangles[point.triangle];
+    const float of_corner[3] = {std::max(1 - point.u - point.v, 0.0f), point.u, point.v};
+    for (int corner = 0; corner < 3; ++corner) {
+        const ClusterBlends::Blend& blend = blends.of_vertex[index[corner]];
+        if (!(blend.weight[0] > 0)) {   // nothing is around
+            parts.add(part_key(first + point.triangle, front, 0, point.u, point.v), weight * of_corner[corner]);
+            continue;
+        }
+        for (int i = 0; i < 4; ++i)
+            parts.add(part_key(first + blend.triangle[i], front, 0, point.u, point.v),
+                      weight * of_corner[corner] * blend.weight[i]);
+    }
+}
+
+// Parts for a point of a dynamic object: interpolated, so that what moves has no facets but its own.
+PartWeights select_moving_parts(const CacheFrame& frame, const IndirectPoint& point, float spacing)
+{
+    const ray::ObjectGeometry& geometry = frame.rays->geometry(point.object);
+    const scene::Object& object = frame.state->scene().objects[point.object];
+    const glm::vec3 own = cross_of(geometry, point.triangle);
+    const float twice_area = glm::length(own);
+    const bool smooth = geometry.normals && !geometry.mesh->normals.empty();
+    const bool front = glm::dot(own, point.geometric_normal) > 0;
+    PartWeights parts;
+    if (!(twice_area < (smooth ? k_smooth_small : k_flat_small) * spacing * spacing)) {
+        const std::uint32_t triangle = frame.triangles.first(point.object) + point.triangle;
+        const PartDetail detail = part_detail(0.5f * twice_area, frame.options.pixels_per_corner * point.width);
+        const std::uint32_t level = std::min(detail.level, k_corner_levels);
+        const float finer = level == detail.level ? frame.fade_in(k_faster * detail.fraction) : 1.0f;
+        add_corners_around(parts, triangle, front, level, point.u, point.v, finer);
+        if (finer < 1) add_corners_around(parts, triangle, front, level - 1, point.u, point.v, 1 - finer);
+        return parts;
+    }
+    // Blend clusters of small triangles where normals say that these stand for a smooth surface.
+    const float scale = std::cbrt(std::abs(glm::determinant(glm::mat3(frame.state->object_matrix(point.object)))));
+    const float in_mesh = scale > 0 ? spacing / scale : spacing;
+    if (!smooth || !(in_mesh > 0) || !std::isfinite(in_mesh)) return select_parts(frame, point, spacing, spacing);
+    const Detail detail = detail_of(in_mesh);
+    const ClusterBlends& blends = frame.clusters.blends(object.mesh, *geometry.mesh, detail.level);
+    if (blends.apart[point.triangle]) return select_parts(frame, point, spacing, spacing);
+    const float wider = frame.fade_in(detail.fraction);
+    add_blend(frame, parts, point, blends, front, wider);
+    if (wider < 1)
+        add_blend(frame, parts, point, frame.clusters.blends(object.mesh, *geometry.mesh, detail.level - 1), front,
+                  1 - wider);
+    return parts;
+}
+
 }   // namespace
 
 void PartWeights::add(AnchorKey k, float w)
@@ -88,6 +175,7 @@ void PartWeights::add(AnchorKey k, float w)
         weight[at - key] += w;
         return;
     }
+    GNOMON_CHECK(count < k_most);
     key[count] = k, weight[count] = w;
     ++count;
 }
@@ -153,7 +241,7 @@ PartWeights select_far_parts(const CacheFrame& frame, const IndirectPoint& point
 {
     const CacheOptions& options = frame.options;
     if (frame.state->is_dynamic(point.object))
-        return select_parts(frame, point, options.pixels_per_part * point.width, options.pixels_per_part * point.width);
+        return select_moving_parts(frame, point, options.pixels_per_part * point.width);
     return select_parts(frame, point, options.narrowest * point.width, options.pixels_per_leaf * point.width);
 }
 

@@ -3,18 +3,20 @@
 // Selects the parts of triangles from which a surface point is interpolated where no lattice point reaches it.
 //
 // A triangle wider than the spacing is divided into parts (micro-triangles) of about that size. Smaller triangles share
-// the points of the largest triangle of their cluster (triangle_clusters.h). One level of detail fades into the next,
-// except on dynamic objects, whose points live for one frame.
+// the points of the largest triangle of their cluster (triangle_clusters.h). One level of detail fades into the next.
+// On dynamic objects, whose points live for one frame, a surface point is interpolated between the corners of parts, or
+// between the points of the clusters around.
 
 #include "irradiance_cache/cache_frame.h"
 
 namespace gnomon::irradiance_cache {
 
-/// Up to eight parts with their weights: four around a point, of two sizes; or a small triangle, two sizes of clusters,
-/// and two sizes of slices.
+/// Parts with their weights: four around a point, of two sizes; or a small triangle, two sizes of clusters, and two
+/// sizes of slices; or two sizes of the clusters around the corners of a triangle, four each.
 struct PartWeights {
-    AnchorKey key[8];
-    float weight[8];
+    static constexpr int k_most = 24;
+    AnchorKey key[k_most];
+    float weight[k_most];
     int count = 0;
     void add(AnchorKey k, float w);
 };

@@ -53,7 +53,7 @@ float slope_of_end(const CacheFrame& frame, const CachePoint& point, int way, sc
     return std::abs(b) <= k_steepest * std::abs(a) && a != 0 ? b / a : 0.0f;
 }
 
-// Puts a point at the centre of its part.
+// Puts a point at the centre of its part, or at a corner.
 // @return  the part's size
 float place_part(const CacheFrame& frame, CachePoint& point)
 {
@@ -66,16 +66,28 @@ float place_part(const CacheFrame& frame, CachePoint& point)
     glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
     const float length = glm::length(normal);
     point.exists = length > 0;
-    if (!point.exists) return 0;
+    if (frame.state->is_dynamic(object)) {
+        point.version = 0;   // its visible nodes change as it moves
+        point.owner = frame.lights.owner_of(object);
+    }
+    if (!point.exists) {   // as it deforms, it may exist again
+        std::fill(std::begin(point.light), std::end(point.light), glm::vec3(0));
+        point.facing = glm::vec3(0);
+        return 0;
+    }
     glm::vec2 uv;
     float size;
     if (part.slice) {
         const SliceMiddle middle = middle_of_slice(slender_triangle(p), part);
         uv = {middle.weight[1], middle.weight[2]}, size = middle.size;
     } else {
-        glm::dvec2 corner[3];
-        corners_of(micro_at(part.index, part.level), part.level, corner);
-        uv = (corner[0] + corner[1] + corner[2]) / 3.0;
+        if (part.corner) {
+            uv = place_of_corner(part);
+        } else {
+            glm::dvec2 corner[3];
+            corners_of(micro_at(part.index, part.level), part.level, corner);
+            uv = (corner[0] + corner[1] + corner[2]) / 3.0;
+        }
         size = std::sqrt(0.5f * length) / std::exp2(static_cast<float>(part.level));
     }
     const float w = 1 - uv.x - uv.y;
@@ -86,9 +98,6 @@ float place_part(const CacheFrame& frame, CachePoint& point)
     point.normal = shading_normal(geometry, triangle, w, uv.x, uv.y, normal);
     point.horizon = ray::smooth_horizon(normal, point.normal);
     point.smooth_lift = ray::smooth_lift(geometry, triangle, uv.x, uv.y, normal);
-    if (!frame.state->is_dynamic(object)) return size;
-    point.version = 0;   // its visible nodes change as it moves
-    point.owner = frame.lights.owner_of(object);
     return size;
 }
 

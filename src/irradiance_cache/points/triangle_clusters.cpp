@@ -24,12 +24,117 @@ struct CubeHash {
     }
 };
 
+// The coordinates of a place in units of a cube, and of that cube.
+std::array<std::int64_t, 3> cube_at(const glm::dvec3& place)
+{
+    std::array<std::int64_t, 3> at{};
+    for (int axis = 0; axis < 3; ++axis)
+        if (std::isfinite(place[axis]))
+            at[static_cast<std::size_t>(axis)] =
+                static_cast<std::int64_t>(std::floor(std::clamp(place[axis], -1e15, 1e15)));
+    return at;
+}
+
+// A triangle that represents others, in units of a cube.
+struct Representative {
+    std::uint32_t triangle;
+    glm::vec3 centre, normal;   // the normal is that of the winding, on the side that most vertex normals are on
+};
+
+// Blends the representatives around vertices.
+class Blender {
+ public:
+    Blender(const scene::Mesh& mesh, double scale) : mesh_(mesh), scale_(scale) {}
+
+    // Sorts the representatives into cubes.
+    void sort(const std::vector<std::uint32_t>& representatives, float side)
+    {
+        for (std::uint32_t t = 0; t < representatives.size(); ++t) {
+            if (representatives[t] != t) continue;
+            const glm::uvec3 index = mesh_.triangles[t];
+            const glm::dvec3 a = at(index[0]), b = at(index[1]), c = at(index[2]);
+            const glm::vec3 cross(glm::cross(b - a, c - a));
+            const float length = glm::length(cross);
+            const auto longest = static_cast<float>(std::max(glm::dot(b - a, b - a), glm::dot(c - a, c - a)));
+            if (!(length > k_degenerate * longest) || !std::isfinite(length)) continue;
+            const glm::dvec3 centre = (a + b + c) / 3.0;
+            in_cube_[{with_zero(cube_at(centre))}].push_back({t, glm::vec3(centre), side / length * cross});
+        }
+    }
+
+    ClusterBlends::Blend at_vertex(std::uint32_t vertex)
+    {
+        const glm::dvec3 place = at(vertex);
+        const glm::vec3 p(place), n = mesh_.normals[vertex];
+        ClusterBlends::Blend blend;
+        int count = 0;
+        for (const Representative& r : around(cube_at(place))) {
+            const float weight = weight_of(r, p, n);
+            if (!(weight > 0)) continue;
+            // Keep the four largest, in falling order.
+            int i = std::min(count, k_most - 1);
+            if (count == k_most && !(weight > blend.weight[i])) continue;
+            for (; i > 0 && weight > blend.weight[i - 1]; --i)
+                blend.weight[i] = blend.weight[i - 1], blend.triangle[i] = blend.triangle[i - 1];
+            blend.weight[i] = weight, blend.triangle[i] = r.triangle;
+            count = std::min(count + 1, k_most);
+        }
+        const float sum = (blend.weight[0] + blend.weight[1]) + (blend.weight[2] + blend.weight[3]);
+        if (sum > 0)
+            for (float& weight : blend.weight) weight /= sum;
+        return blend;
+    }
+
+ private:
+    static constexpr int k_most = 4;
+    static constexpr float k_reach = 1.5f, k_height = 0.5f;         // cubes
+    static constexpr float k_facing = 0.3f, k_faces_alike = 0.9f;   // cosines
+    static constexpr float k_degenerate = 1e-5f;                    // height, in lengths: such a triangle has no normal
+
+    static float weight_of(const Representative& r, const glm::vec3& p, const glm::vec3& n)
+    {
+        const glm::vec3 d = r.centre - p;
+        const float near = 1 - glm::dot(d, d) / (k_reach * k_reach);
+        const float facing = (glm::dot(r.normal, n) - k_facing) / (k_faces_alike - k_facing);
+        const float height = glm::dot(d, n) / k_height, low = 1 - height * height;
+        return near > 0 && facing > 0 && low > 0 ? near * near * std::min(facing, 1.0f) * low : 0.0f;
+    }
+    static std::array<std::int64_t, 4> with_zero(const std::array<std::int64_t, 3>& at)
+    {
+        return {at[0], at[1], at[2], 0};
+    }
+    glm::dvec3 at(std::uint32_t vertex) const { return glm::dvec3(mesh_.positions[vertex]) * scale_; }
+
+    // The representatives in a cube and those that touch it.
+    const std::vector<Representative>& around(const std::array<std::int64_t, 3>& at)
+    {
+        const auto [found, fresh] = around_.try_emplace({with_zero(at)});
+        if (!fresh) return found->second;
+        for (std::int64_t x = at[0] - 1; x <= at[0] + 1; ++x)
+            for (std::int64_t y = at[1] - 1; y <= at[1] + 1; ++y)
+                for (std::int64_t z = at[2] - 1; z <= at[2] + 1; ++z)
+                    if (const auto in = in_cube_.find({{x, y, z, 0}}); in != in_cube_.end())
+                        found->second.insert(found->second.end(), in->second.begin(), in->second.end());
+        return found->second;
+    }
+
+    const scene::Mesh& mesh_;
+    double scale_;
+    std::unordered_map<Cube, std::vector<Representative>, CubeHash> in_cube_, around_;
+};
+
 }   // namespace
 
 const std::vector<std::uint32_t>& TriangleClusters::representatives(scene::MeshId id, const scene::Mesh& mesh,
                                                                     int level)
 {
     const std::lock_guard lock(mutex_);
+    return representatives_locked(id, mesh, level);
+}
+
+const std::vector<std::uint32_t>& TriangleClusters::representatives_locked(scene::MeshId id, const scene::Mesh& mesh,
+                                                                           int level)
+{
     auto& made = made_[{id, level}];
     if (made) return *made;
     made = std::make_unique<std::vector<std::uint32_t>>(mesh.triangles.size());
@@ -45,20 +150,43 @@ const std::vector<std::uint32_t>& TriangleClusters::representatives(scene::MeshI
         const glm::uvec3 index = mesh.triangles[t];
         const glm::vec3 a = mesh.positions[index[0]], b = mesh.positions[index[1]], c = mesh.positions[index[2]];
         const glm::vec3 cross = glm::cross(b - a, c - a), size = glm::abs(cross);
-        const glm::dvec3 centre = glm::dvec3(a + b + c) * (scale / 3);
-        for (int axis = 0; axis < 3; ++axis)
-            cube[t].at[static_cast<std::size_t>(axis)] =
-                std::isfinite(centre[axis])
-                    ? static_cast<std::int64_t>(std::floor(std::clamp(centre[axis], -1e15, 1e15)))
-                    : 0;
+        const std::array<std::int64_t, 3> at = cube_at(glm::dvec3(a + b + c) * (scale / 3));
+        std::copy(at.begin(), at.end(), cube[t].at.begin());
         const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
         // Keep the two sides of a thin object apart.
         cube[t].at[3] = 2 * axis + (cross[axis] < 0 ? 1 : 0);
         const float area = glm::dot(cross, cross);
-        const auto [at, fresh] = largest.try_emplace(cube[t], Largest{t, area});
-        if (!fresh && area > at->second.area) at->second = {t, area};
+        const auto [found, fresh] = largest.try_emplace(cube[t], Largest{t, area});
+        if (!fresh && area > found->second.area) found->second = {t, area};
     }
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) (*made)[t] = largest.at(cube[t]).triangle;
+    return *made;
+}
+
+const ClusterBlends& TriangleClusters::blends(scene::MeshId id, const scene::Mesh& mesh, int level)
+{
+    const std::lock_guard lock(mutex_);
+    auto& made = blends_[{id, level}];
+    if (made) return *made;
+    auto blends = std::make_unique<ClusterBlends>();
+    // Find which side of the triangles the vertex normals are on.
+    blends->apart.resize(mesh.triangles.size());
+    std::size_t behind = 0;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const glm::uvec3 index = mesh.triangles[t];
+        const glm::vec3 a = mesh.positions[index[0]], b = mesh.positions[index[1]], c = mesh.positions[index[2]];
+        const glm::vec3 n = mesh.normals[index[0]] + mesh.normals[index[1]] + mesh.normals[index[2]];
+        blends->apart[t] = glm::dot(glm::cross(b - a, c - a), n) < 0;
+        behind += blends->apart[t] ? 1 : 0;
+    }
+    const bool reversed = 2 * behind > mesh.triangles.size();
+    if (reversed) blends->apart.flip();
+
+    Blender blender(mesh, std::ldexp(1.0, -level));
+    blender.sort(representatives_locked(id, mesh, level), reversed ? -1.0f : 1.0f);
+    blends->of_vertex.reserve(mesh.positions.size());
+    for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) blends->of_vertex.push_back(blender.at_vertex(v));
+    made = std::move(blends);
     return *made;
 }
 
@@ -68,6 +196,8 @@ std::size_t TriangleClusters::bytes() const
     std::size_t sum = 0;
     for (const auto& [key, made] : made_)
         if (made) sum += made->size() * sizeof(std::uint32_t);
+    for (const auto& [key, made] : blends_)
+        if (made) sum += made->of_vertex.size() * sizeof(ClusterBlends::Blend) + made->apart.size() / 8;
     return sum;
 }
 

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bounced light on what may move: without facets or dots, and that of the same object that stands still.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include "gnomon/gnomon.h"
+
+namespace gnomon {
+namespace {
+
+struct Triangles {
+    std::vector<Vec3> positions, normals;   // normals: none for a box
+    std::vector<std::uint32_t> indices;
+};
+
+// A cube with sides of 1.2.
+Triangles box()
+{
+    Triangles mesh;
+    for (std::uint32_t corner = 0; corner < 8; ++corner)
+        mesh.positions.push_back(
+            {(corner & 1) != 0 ? 0.6f : -0.6f, (corner & 2) != 0 ? 0.6f : -0.6f, (corner & 4) != 0 ? 0.6f : -0.6f});
+    mesh.indices = {0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 4, 2, 2, 4, 6,
+                    1, 3, 5, 3, 7, 5, 2, 6, 3, 3, 6, 7, 0, 1, 4, 1, 5, 4};
+    return mesh;
+}
+
+// A smooth ball of radius .6, whose triangles are as small as there are rings.
+Triangles ball(std::uint32_t rings)
+{
+    const std::uint32_t around = 2 * rings;
+    Triangles mesh;
+    for (std::uint32_t i = 0; i <= rings; ++i)
+        for (std::uint32_t j = 0; j <= around; ++j) {
+            const double theta = std::numbers::pi * i / rings, phi = std::numbers::pi * j / rings;
+            const Vec3 n{static_cast<float>(std::sin(theta) * std::cos(phi)), static_cast<float>(std::cos(theta)),
+                         static_cast<float>(std::sin(theta) * std::sin(phi))};
+            mesh.normals.push_back(n);
+            mesh.positions.push_back({0.6f * n.x, 0.6f * n.y, 0.6f * n.z});
+        }
+    for (std::uint32_t i = 0; i < rings; ++i)
+        for (std::uint32_t j = 0; j < around; ++j) {
+            const std::uint32_t a = i * (around + 1) + j, b = a + 1, c = a + around + 1, d = c + 1;
+            if (i > 0) mesh.indices.insert(mesh.indices.end(), {a, b, c});
+            if (i + 1 < rings) mesh.indices.insert(mesh.indices.end(), {b, d, c});
+        }
+    return mesh;
+}
+
+// An object in the corner of a floor, a red and a green wall, under an even sky with a bright spot.
+Scene corner(const Triangles& mesh, Mobility mobility)
+{
+    SceneBuilder builder;
+    const auto matte = [&](float r, float g, float b) {
+        return builder.material({.base_color = {r, g, b}, .roughness = 1, .ior = 1});
+    };
+    const MaterialId white = matte(0.7f, 0.7f, 0.7f);
+    const std::vector<std::uint32_t> quad{0, 2, 1, 0, 3, 2};
+    const auto wall = [&](const std::vector<Vec3>& positions, MaterialId material) {
+        builder.instance(builder.mesh({.positions = positions, .indices = quad}), material);
+    };
+    wall({{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}}, white);
+    wall({{-2, 0, -2}, {-2, 0, 2}, {-2, 4, 2}, {-2, 4, -2}}, matte(0.7f, 0.05f, 0.05f));
+    wall({{-2, 0, -2}, {-2, 4, -2}, {2, 4, -2}, {2, 0, -2}}, matte(0.05f, 0.6f, 0.05f));
+    builder.instance(builder.mesh({.positions = mesh.positions, .indices = mesh.indices, .normals = mesh.normals}),
+                     white, Transform::translation(-0.9, 0.65, 0.2), {.mobility = mobility});
+    constexpr int k_width = 64, k_height = 32;
+    std::vector<float> sky(3 * k_width * k_height, 0.0f);
+    std::fill_n(sky.begin(), sky.size() / 2, 0.3f);
+    for (int y = 4; y < 8; ++y)
+        for (int x = 20; x < 26; ++x) std::fill_n(sky.begin() + 3 * (y * k_width + x), 3, 60.0f);
+    builder.environment({.width = k_width, .height = k_height, .pixels = sky});
+    return builder.finish();
+}
+
+constexpr Size k_size{320, 240};
+
+// The bounced light of the whole corner, brightness by pixel.
+std::vector<double> bounced(const Scene& scene)
+{
+    RenderOptions options;
+    options.size = k_size;
+    options.layers = true;
+    Camera camera;
+    camera.transform = Transform::look_at({0.6, 1.5, 2.2}, {-0.9, 0.6, 0.2});
+    camera.vertical_fov = 0.75f;
+    Renderer renderer(options);
+    for (const Layer& layer : renderer.render(scene, {.camera = camera}).layers) {
+        if (layer.name != "indirect") continue;
+        const std::vector<float> values = layer.copy();
+        std::vector<double> light;
+        for (std::size_t i = 0; i < values.size(); i += 3)
+            light.push_back(static_cast<double>(values[i] + values[i + 1] + values[i + 2]));
+        return light;
+    }
+    throw std::runtime_error("no layer of indirect light");
+}
+
+struct Window {
+    int left, top, right, bottom;
+};
+
+// How far pixels are from the mean of those on both sides: the root of the mean square, relative to the mean.
+double roughness(const std::vector<double>& light, const Window& of)
+{
+    double squares = 0, sum = 0;
+    int count = 0;
+    for (int y = of.top; y < of.bottom; ++y)
+        for (int x = of.left; x < of.right; ++x) {
+            const auto i = static_cast<std::size_t>(y * k_size.width + x), row = std::size_t{k_size.width};
+            const double across = light[i] - 0.5 * (light[i - 1] + light[i + 1]),
+                         down = light[i] - 0.5 * (light[i - row] + light[i + row]);
+            squares += 0.5 * (across * across + down * down), sum += light[i];
+            ++count;
+        }
+    return std::sqrt(squares / count) / (sum / count);
+}
+
+double mean(const std::vector<double>& light, const Window& of)
+{
+    double sum = 0;
+    for (int y = of.top; y < of.bottom; ++y)
+        for (int x = of.left; x < of.right; ++x) sum += light[static_cast<std::size_t>(y * k_size.width + x)];
+    return sum / ((of.right - of.left) * (of.bottom - of.top));
+}
+
+void expect_smooth(const Triangles& mesh, const Window& window, double most)
+{
+    const std::vector<double> moving = bounced(corner(mesh, Mobility::may_move)),
+                              still = bounced(corner(mesh, Mobility::fixed));
+    const double rough = roughness(moving, window), ratio = mean(moving, window) / mean(still, window);
+    std::printf("roughness %.5f (still %.5f), %.3f of the light of what stands still\n", rough,
+                roughness(still, window), ratio);
+    EXPECT_LT(rough, most);
+    EXPECT_NEAR(ratio, 1, 0.03);
+}
+
+// Each part of a side had light of its own: a pattern of triangles, strongest near the floor.
+TEST(MovingLight, OnTheSidesOfABoxIsSmooth)
+{
+    const Window right{188, 80, 240, 150};
+    expect_smooth(box(), right, 0.001);
+}
+
+// Clusters of small triangles showed as patches.
+TEST(MovingLight, OnASmoothBallOfSmallTrianglesIsSmooth)
+{
+    const Window middle{130, 90, 190, 150};
+    expect_smooth(ball(128), middle, 0.0025);
+}
+
+TEST(MovingLight, OnASmoothBallOfLargeTrianglesIsSmooth)
+{
+    const Window middle{130, 90, 190, 150};
+    expect_smooth(ball(12), middle, 0.006);
+}
+
+}   // namespace
+}   // namespace gnomon
