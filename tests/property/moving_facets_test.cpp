@@ -53,8 +53,13 @@ Triangles ball(std::uint32_t rings)
     return mesh;
 }
 
+struct Corner {
+    Scene scene;
+    InstanceId object;
+};
+
 // An object in the corner of a floor, a red and a green wall, under an even sky with a bright spot.
-Scene corner(const Triangles& mesh, Mobility mobility)
+Corner corner(const Triangles& mesh, Mobility mobility)
 {
     SceneBuilder builder;
     const auto matte = [&](float r, float g, float b) {
@@ -68,30 +73,30 @@ Scene corner(const Triangles& mesh, Mobility mobility)
     wall({{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}}, white);
     wall({{-2, 0, -2}, {-2, 0, 2}, {-2, 4, 2}, {-2, 4, -2}}, matte(0.7f, 0.05f, 0.05f));
     wall({{-2, 0, -2}, {-2, 4, -2}, {2, 4, -2}, {2, 0, -2}}, matte(0.05f, 0.6f, 0.05f));
-    builder.instance(builder.mesh({.positions = mesh.positions, .indices = mesh.indices, .normals = mesh.normals}),
-                     white, Transform::translation(-0.9, 0.65, 0.2), {.mobility = mobility});
+    const InstanceId object =
+        builder.instance(builder.mesh({.positions = mesh.positions, .indices = mesh.indices, .normals = mesh.normals}),
+                         white, Transform::translation(-0.9, 0.65, 0.2), {.mobility = mobility});
     constexpr int k_width = 64, k_height = 32;
     std::vector<float> sky(3 * k_width * k_height, 0.0f);
     std::fill_n(sky.begin(), sky.size() / 2, 0.3f);
     for (int y = 4; y < 8; ++y)
         for (int x = 20; x < 26; ++x) std::fill_n(sky.begin() + 3 * (y * k_width + x), 3, 60.0f);
     builder.environment({.width = k_width, .height = k_height, .pixels = sky});
-    return builder.finish();
+    return {builder.finish(), object};
 }
 
 constexpr Size k_size{320, 240};
 
 // The bounced light of the whole corner, brightness by pixel.
-std::vector<double> bounced(const Scene& scene)
+// @param vertices  of the object; empty: its own
+std::vector<double> bounced(Renderer& renderer, const Corner& corner, const std::vector<Vec3>& vertices = {})
 {
-    RenderOptions options;
-    options.size = k_size;
-    options.layers = true;
     Camera camera;
     camera.transform = Transform::look_at({0.6, 1.5, 2.2}, {-0.9, 0.6, 0.2});
     camera.vertical_fov = 0.75f;
-    Renderer renderer(options);
-    for (const Layer& layer : renderer.render(scene, {.camera = camera}).layers) {
+    FrameInput input{.camera = camera};
+    if (!vertices.empty()) input.vertices.push_back({corner.object, vertices});
+    for (const Layer& layer : renderer.render(corner.scene, input).layers) {
         if (layer.name != "indirect") continue;
         const std::vector<float> values = layer.copy();
         std::vector<double> light;
@@ -100,6 +105,20 @@ std::vector<double> bounced(const Scene& scene)
         return light;
     }
     throw std::runtime_error("no layer of indirect light");
+}
+
+RenderOptions options()
+{
+    RenderOptions options;
+    options.size = k_size;
+    options.layers = true;
+    return options;
+}
+
+std::vector<double> bounced(const Corner& corner)
+{
+    Renderer renderer(options());
+    return bounced(renderer, corner);
 }
 
 struct Window {
@@ -159,6 +178,19 @@ TEST(MovingLight, OnASmoothBallOfLargeTrianglesIsSmooth)
 {
     const Window middle{130, 90, 190, 150};
     expect_smooth(ball(12), middle, 0.006);
+}
+
+// Half of a ball collapses to a point and comes back. A part of a triangle without area was never placed again.
+TEST(MovingLight, OnTrianglesThatHadNoAreaComesBack)
+{
+    const Triangles mesh = ball(48);
+    const Corner corner = gnomon::corner(mesh, Mobility::may_deform);
+    std::vector<Vec3> half = mesh.positions;
+    for (Vec3& p : half)
+        if (p.x > 0.1f) p = {0.1f, 0, 0};
+    Renderer kept(options()), fresh(options());
+    bounced(kept, corner, half);
+    EXPECT_EQ(bounced(kept, corner, mesh.positions), bounced(fresh, corner, mesh.positions));
 }
 
 }   // namespace
