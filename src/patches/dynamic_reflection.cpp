@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 
 #include "base/interruption.h"
@@ -56,6 +57,33 @@ glm::vec3 direction_of(std::size_t k, std::size_t r)
     const double square = (ray + std::fmod(place * k_step_v, 1.0)) / static_cast<double>(k_rays);
     const double phi = (ray + place) * k_golden_angle, radius = std::sqrt(square);
     return glm::vec3(glm::dvec3(radius * std::cos(phi), radius * std::sin(phi), std::sqrt(1 - square)));
+}
+
+// What lights may bring to reflectors, by ray: the reflector and what arrives there.
+using Arriving = std::vector<std::pair<std::uint32_t, glm::vec3>>;
+
+// Adds what arrives along rays that nothing occludes.
+void add_arriving(const ray::RayScene& rays, const ray::RayQueue& queue, const Arriving& arriving,
+                  std::vector<glm::vec3>& light)
+{
+    if (queue.empty()) return;
+    std::vector<std::uint8_t> occluded(queue.size() + ray::k_packet_pad);
+    rays.occluded(queue, 0, queue.size(), occluded.data());
+    std::vector<glm::vec3> passes(rays.thins_light() ? queue.size() : 0);
+    if (!passes.empty()) rays.let_through(queue, 0, queue.size(), passes.data(), ray::Against::everything);
+    for (std::size_t r = 0; r < arriving.size(); ++r)
+        if (!occluded[r])
+            light[arriving[r].first] += passes.empty() ? arriving[r].second : arriving[r].second * passes[r];
+}
+
+// What each of a place's rays brings besides its own light, if it leaves the scene: the part of an image's irradiance
+// that they do not find where nothing hides it.
+glm::vec3 missed_by(const Surroundings& surroundings, const PatchRays& rays, std::size_t first, const glm::vec3& normal)
+{
+    if (!surroundings.any()) return glm::vec3(0);
+    glm::vec3 found(0);
+    for (std::size_t r = first; r < first + k_rays; ++r) found += surroundings.radiance_beside_spots(rays.direction(r));
+    return surroundings.irradiance_beside_spots(normal) - static_cast<float>(k_pi) / static_cast<float>(k_rays) * found;
 }
 
 }   // namespace
@@ -168,7 +196,7 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
     const scene::SceneState& state, const ray::RayScene& rays, std::span<const std::vector<scene::ObjectId>> groups,
     const Light& light, Tasks& tasks)
 {
-    reflectors_.clear(), albedo_.clear(), reflected_.clear();
+    reflectors_.clear(), albedo_.clear(), reflected_.clear(), order_.clear(), patch_links_.clear();
     if (groups.empty() ||
         (light.exitance.empty() && !light.surroundings.any() && light.emission.empty() && light.further == 0))
         return {};
@@ -215,10 +243,11 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
     for (const Reflector& r : reflectors_) sides_.push(r.position, r.normal);
     links_.clear();
     light_by_patches(state, rays, light, tasks);
+    light_by_spots(rays, light.surroundings);
     light_by_emission(rays, light);
     if (!links_.empty()) {
         light_by_points(state, rays);
-        bounce_between(light.further);
+        bounce_between(irradiance_, of_points_, light.further);
     }
     for (std::size_t k = 0; k < reflectors_.size(); ++k)
         reflectors_[k].flux = reflectors_[k].area * albedo_[k] * irradiance_[k];
@@ -227,8 +256,23 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
         return std::tuple(r.position.x, r.position.y, r.position.z, r.normal.x, r.normal.y, r.normal.z, r.flux.x,
                           r.flux.y, r.flux.z);
     };
-    std::ranges::sort(reflectors_, {}, key);
-    return reflectors_;
+    order_.resize(reflectors_.size());
+    std::iota(order_.begin(), order_.end(), 0u);
+    std::ranges::sort(order_, {}, [&](std::uint32_t k) { return key(reflectors_[k]); });
+    std::vector<Reflector> result;
+    result.reserve(order_.size());
+    for (const std::uint32_t k : order_) result.push_back(reflectors_[k]);
+    return result;
+}
+
+std::vector<glm::vec3> DynamicReflection::again(std::span<const glm::vec3> exitance, int further) const
+{
+    std::vector<glm::vec3> irradiance(reflectors_.size(), glm::vec3(0)), flux;
+    for (const Link& link : patch_links_) irradiance[link.from] += link.weight * exitance[link.to];
+    if (!links_.empty()) bounce_between(irradiance, {}, further);
+    flux.reserve(order_.size());
+    for (const std::uint32_t k : order_) flux.push_back(reflectors_[k].area * albedo_[k] * irradiance[k]);
+    return flux;
 }
 
 // Adds what patches and the surroundings bring.
@@ -243,7 +287,11 @@ void DynamicReflection::light_by_patches(const scene::SceneState& state, const r
         light_run(state, rays, light, k * k_places_at_once, std::min((k + 1) * k_places_at_once, reflectors_.size()),
                   runs_[k]);
     });
-    for (std::size_t k = 0; k < count; ++k) links_.insert(links_.end(), runs_[k].links.begin(), runs_[k].links.end());
+    for (std::size_t k = 0; k < count; ++k) {
+        links_.insert(links_.end(), runs_[k].links.begin(), runs_[k].links.end());
+        patch_links_.insert(patch_links_.end(), runs_[k].patch_links.begin(), runs_[k].patch_links.end());
+    }
+    for (glm::vec3& irradiance : irradiance_) irradiance = glm::max(irradiance, glm::vec3(0));   // `missed` may be less
 }
 
 // The same for the reflectors first ... end - 1.
@@ -252,7 +300,7 @@ void DynamicReflection::light_run(const scene::SceneState& state, const ray::Ray
 {
     PatchRays& cast = run.rays;
     cast.clear();
-    run.links.clear();
+    run.links.clear(), run.patch_links.clear();
     for (std::size_t k = first; k < end; ++k) {
         const Reflector& from = reflectors_[k];
         glm::vec3 x, y;
@@ -266,24 +314,28 @@ void DynamicReflection::light_run(const scene::SceneState& state, const ray::Ray
     std::vector<glm::vec3> passes(rays.thins_light() ? cast.size() : 0);
     if (!passes.empty()) cast.find_passing(rays, passes.data(), ray::Against::everything);
     constexpr float k_weight = 1 / static_cast<float>(k_rays);
+    glm::vec3 missed(0);
     for (std::size_t r = 0; r < cast.size(); ++r) {
         const std::size_t from = first + r / k_rays;
+        if (r % k_rays == 0) missed = missed_by(light.surroundings, cast, r, reflectors_[from].normal);
+        const glm::vec3 weight = passes.empty() ? glm::vec3(k_weight) : k_weight * passes[r];
         glm::vec3 arrives(0);
         if (cast.leaves(r)) {
             if (light.surroundings.any())
-                arrives = static_cast<float>(k_pi) * light.surroundings.radiance(cast.direction(r));
+                arrives =
+                    static_cast<float>(k_pi) * light.surroundings.radiance_beside_spots(cast.direction(r)) + missed;
         } else if (state.is_dynamic(cast.object(r))) {
             if (light.further == 0) continue;
             const std::uint32_t to = nearest_place(cast.object(r), cast.end(rays, r));
-            if (to != scene::none)
-                run.links.push_back(
-                    {static_cast<std::uint32_t>(from), to, k_weight * (passes.empty() ? glm::vec3(1) : passes[r])});
+            if (to != scene::none) run.links.push_back({static_cast<std::uint32_t>(from), to, weight});
             continue;
         } else if (!light.exitance.empty()) {
             const PatchId met = cast.patch(light.patches, rays, r);
-            if (met != k_no_patch) arrives = light.exitance[met];
+            if (met == k_no_patch) continue;
+            arrives = light.exitance[met];
+            run.patch_links.push_back({static_cast<std::uint32_t>(from), met, weight});
         }
-        irradiance_[from] += k_weight * (passes.empty() ? arrives : arrives * passes[r]);
+        irradiance_[from] += weight * arrives;
     }
 }
 
@@ -316,7 +368,7 @@ void DynamicReflection::light_by_points(const scene::SceneState& state, const ra
     for (const Link& link : links_) seen[link.to] = 1;
     ray::RayQueue queue;
     queue.purpose = ray::RayClass::indirect;
-    std::vector<std::pair<std::uint32_t, glm::vec3>> arriving;   // by ray: reflector, exitance
+    Arriving arriving;   // exitance
     const scene::Scene& scene = state.scene();
     for (scene::LightId l = 0; l < scene.lights.size(); ++l) {
         if (scene.lights[l].of_surface || scene.lights[l].of_environment || !state.light(l).visible) continue;
@@ -332,18 +384,13 @@ void DynamicReflection::light_by_points(const scene::SceneState& state, const ra
             arriving.emplace_back(k, reflected_[k] * cosine * sample.irradiance);
         }
     }
-    if (queue.empty()) return;
-    std::vector<std::uint8_t> occluded(queue.size() + ray::k_packet_pad);
-    rays.occluded(queue, 0, queue.size(), occluded.data());
-    std::vector<glm::vec3> passes(rays.thins_light() ? queue.size() : 0);
-    if (!passes.empty()) rays.let_through(queue, 0, queue.size(), passes.data(), ray::Against::everything);
-    for (std::size_t r = 0; r < arriving.size(); ++r)
-        if (!occluded[r])
-            of_points_[arriving[r].first] += passes.empty() ? arriving[r].second : arriving[r].second * passes[r];
+    add_arriving(rays, queue, arriving, of_points_);
 }
 
 // Adds what the places bring to each other, bounce by bounce.
-void DynamicReflection::bounce_between(int most)
+// @param of_points  exitance by lights without size; empty: none
+void DynamicReflection::bounce_between(std::vector<glm::vec3>& irradiance, std::span<const glm::vec3> of_points,
+                                       int most) const
 {
     const std::size_t count = reflectors_.size();
     // The brightest place: a maximum does not depend on the order of the places.
@@ -354,13 +401,14 @@ void DynamicReflection::bounce_between(int most)
     };
     std::vector<glm::vec3> last(count), next(count);
     for (std::size_t k = 0; k < count; ++k)
-        last[k] = glm::min(albedo_[k], glm::vec3(k_most_albedo)) * irradiance_[k] + of_points_[k];
+        last[k] = glm::min(albedo_[k], glm::vec3(k_most_albedo)) * irradiance[k] +
+                  (of_points.empty() ? glm::vec3(0) : of_points[k]);
     const float enough = k_least_bounce * brightest(last);
     for (int bounce = 0; bounce < std::min(most, k_most_bounces); ++bounce) {
         std::fill(next.begin(), next.end(), glm::vec3(0));
         for (const Link& link : links_) next[link.from] += link.weight * last[link.to];
         for (std::size_t k = 0; k < count; ++k) {
-            irradiance_[k] += next[k];
+            irradiance[k] += next[k];
             next[k] *= glm::min(albedo_[k], glm::vec3(k_most_albedo));
         }
         last.swap(next);
@@ -368,12 +416,34 @@ void DynamicReflection::bounce_between(int most)
     }
 }
 
+// Adds what the brightest parts of an environment image bring: rays would meet them by chance.
+void DynamicReflection::light_by_spots(const ray::RayScene& rays, const Surroundings& surroundings)
+{
+    constexpr std::size_t k_most = 4;   // of a place
+    const std::span<const Surroundings::Spot> spots = surroundings.spots();
+    const std::size_t of_place = std::min(k_most, spots.size());
+    ray::RayQueue queue;
+    queue.purpose = ray::RayClass::indirect;
+    Arriving arriving;   // irradiance
+    for (std::uint32_t k = 0; k < reflectors_.size(); ++k)
+        for (std::size_t i = 0; i < of_place; ++i) {
+            const Reflector& to = reflectors_[k];
+            const Surroundings::Spot& spot = spots[(of_place * to.number + i) % spots.size()];
+            const float cosine = glm::dot(spot.direction, to.normal);
+            if (!(cosine > 0)) continue;
+            queue.push(to.sample, 0, spot.direction, k_infinity);
+            arriving.emplace_back(
+                k, cosine * static_cast<float>(spots.size()) / static_cast<float>(of_place) * spot.irradiance);
+        }
+    add_arriving(rays, queue, arriving, irradiance_);
+}
+
 // Adds what emissive surfaces bring.
 void DynamicReflection::light_by_emission(const ray::RayScene& rays, const Light& light)
 {
     ray::RayQueue queue;
     queue.purpose = ray::RayClass::indirect;
-    std::vector<std::pair<std::size_t, glm::vec3>> arriving;   // by ray: reflector, irradiance
+    Arriving arriving;   // irradiance
     for (const scene::SizedLight& of : light.emission.lights()) {
         interruption_point();
         for (std::size_t k = 0; k < reflectors_.size(); ++k) {
@@ -390,17 +460,10 @@ void DynamicReflection::light_by_emission(const ray::RayScene& rays, const Light
             const glm::vec3 irradiance = shading::unshadowed(s, of, false).irradiance;
             if (irradiance == glm::vec3(0)) continue;
             queue.push(to.sample, 0, of.places[place].position - to.sample, ray::k_shadow_ray_end);
-            arriving.emplace_back(k, irradiance);
+            arriving.emplace_back(static_cast<std::uint32_t>(k), irradiance);
         }
     }
-    if (queue.empty()) return;
-    std::vector<std::uint8_t> occluded(queue.size() + ray::k_packet_pad);
-    rays.occluded(queue, 0, queue.size(), occluded.data());
-    std::vector<glm::vec3> passes(rays.thins_light() ? queue.size() : 0);
-    if (!passes.empty()) rays.let_through(queue, 0, queue.size(), passes.data(), ray::Against::everything);
-    for (std::size_t r = 0; r < arriving.size(); ++r)
-        if (!occluded[r])
-            irradiance_[arriving[r].first] += passes.empty() ? arriving[r].second : arriving[r].second * passes[r];
+    add_arriving(rays, queue, arriving, irradiance_);
 }
 
 }   // namespace gnomon::patches

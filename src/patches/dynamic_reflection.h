@@ -4,12 +4,13 @@
 // light that has bounced off the patches of the static scene.
 //
 // Some places of the objects that move together, at equal steps of area, stand for their surface. In a frame in which
-// anything moves, each casts 8 rays; one that leaves the scene brings the light of the sky or of the environment image,
-// one that ends on a patch what that patch reflects, and one that ends on a dynamic object what the nearest place there
-// reflects, of lights without size as well; light bounces on between the places until a bounce brings less than a
-// thousandth. Surfaces that thin light reflect by their alpha; no rays end on them. Emissive surfaces add their closed
-// form where one ray past everything reaches them, at another of their places for each place. Light that bounces from a
-// dynamic object to a patch and back is left out.
+// anything moves, each casts 8 rays, and up to four more to the brightest parts of an environment image; one that
+// leaves the scene brings the light of the sky or of the image, one that ends on a patch what that patch reflects, and
+// one that ends on a dynamic object what the nearest place there reflects, of lights without size as well; light
+// bounces on between the places until a bounce brings less than a thousandth. Surfaces that thin light reflect by their
+// alpha; no rays end on them. Emissive surfaces add their closed form where one ray past everything reaches them, at
+// another of their places for each place. Light that bounces from a dynamic object to a patch and back is found apart,
+// by the same rays (again()).
 //
 // The result is a function of the present state. Cost: 8 rays and one for each light, for each place, of
 // which there are 1,024 of all objects, but at least 8 of those that move together, and one of each object. Of more
@@ -50,6 +51,11 @@ class DynamicReflection {
     std::vector<Reflector> gather(const scene::SceneState& state, const ray::RayScene& rays,
                                   std::span<const std::vector<scene::ObjectId>> groups, const Light& light,
                                   Tasks& tasks);
+    /// The flux that the same objects reflect of further light of the patches.
+    /// @param exitance  of the patches
+    /// @param further   Light::further
+    /// @return  by reflector of the last gather()
+    std::vector<glm::vec3> again(std::span<const glm::vec3> exitance, int further) const;
     struct Measured {
         glm::mat4 matrix;
         scene::ObjectId object;
@@ -93,26 +99,28 @@ class DynamicReflection {
     void light_by_patches(const scene::SceneState& state, const ray::RayScene& rays, const Light& light, Tasks& tasks);
     void light_run(const scene::SceneState& state, const ray::RayScene& rays, const Light& light, std::size_t first,
                    std::size_t end, Run& run);
+    void light_by_spots(const ray::RayScene& rays, const Surroundings& surroundings);
     void light_by_emission(const ray::RayScene& rays, const Light& light);
     std::uint32_t nearest_place(scene::ObjectId object, const PatchRays::End& at) const;
     void light_by_points(const scene::SceneState& state, const ray::RayScene& rays);
-    void bounce_between(int most);
+    void bounce_between(std::vector<glm::vec3>& irradiance, std::span<const glm::vec3> of_points, int most) const;
 
     std::vector<Surface> surfaces_;   // by object
     std::vector<Reflector> reflectors_;
+    std::vector<std::uint32_t> order_;             // of the last gather()'s result
     std::vector<glm::vec3> irradiance_, albedo_;   // by reflector
     std::vector<glm::vec3> reflected_;             // exitance by irradiance of lights without size, likewise
     std::vector<glm::vec3> of_points_;             // exitance by lights without size
-    // A ray from one reflector to a dynamic object.
+    // A ray from one reflector to another, or to a patch.
     struct Link {
         std::uint32_t from, to;
         glm::vec3 weight;
     };
-    std::vector<Link> links_;
+    std::vector<Link> links_, patch_links_;   // the second to patches
     // Some reflectors that follow one another: their rays, and the links that these find.
     struct Run {
         PatchRays rays;
-        std::vector<Link> links;
+        std::vector<Link> links, patch_links;
     };
     std::vector<Run> runs_;
     FacingPlaces sides_;                                     // of all reflectors

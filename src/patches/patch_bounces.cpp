@@ -17,7 +17,8 @@ double total_flux(const PatchSurfaces& surfaces, std::span<const glm::vec3> exit
 }
 
 std::vector<glm::vec3> bounce(const PatchLinks& links, const PatchSurfaces& surfaces, std::span<const glm::vec3> direct,
-                              double all, const BounceOptions& options, Tasks& tasks)
+                              double all, const BounceOptions& options, Tasks& tasks,
+                              std::span<const BlockedLink> blocked)
 {
     constexpr double k_most_ratio = 0.98;
     const std::size_t count = direct.size();
@@ -27,6 +28,7 @@ std::vector<glm::vec3> bounce(const PatchLinks& links, const PatchSurfaces& surf
     for (int sweep = 0; sweep < options.sweeps; ++sweep) {
         interruption_point();
         gather_links(links, last, next, tasks);
+        for (const BlockedLink& link : blocked) next[link.from] -= link.weight * last[link.target];
         for (std::size_t p = 0; p < count; ++p) {
             next[p] *= surfaces.albedo[p];
             added[p] += next[p];

@@ -29,7 +29,9 @@ double total_flux(const PatchSurfaces& surfaces, std::span<const glm::vec3> exit
 /// Radiant exitance by light that has bounced between patches at least once, by patch.
 /// @param direct  radiant exitance without; may be a difference, and negative
 /// @param all     the flux that BounceOptions::stop is a fraction of; 0: the direct light's and what has been added
+/// @param blocked  links that bring nothing, or less
 std::vector<glm::vec3> bounce(const PatchLinks& links, const PatchSurfaces& surfaces, std::span<const glm::vec3> direct,
-                              double all, const BounceOptions& options, Tasks& tasks);
+                              double all, const BounceOptions& options, Tasks& tasks,
+                              std::span<const BlockedLink> blocked = {});
 
 }   // namespace gnomon::patches

@@ -265,16 +265,16 @@ PatchLinks link_patches(const SurfacePatches& patches, const scene::SceneState& 
     return links;
 }
 
-std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchLinks& links,
-                                     const scene::SceneState& state, const ray::RayScene& rays,
-                                     const Surroundings& surroundings, std::span<const BoundingSphere> spheres,
-                                     std::span<const glm::vec3> exitance, Tasks& tasks)
+BlockedLinks blocked_links(const SurfacePatches& patches, const PatchLinks& links, const scene::SceneState& state,
+                           const ray::RayScene& rays, const Surroundings& surroundings,
+                           std::span<const BoundingSphere> spheres, std::span<const glm::vec3> exitance, Tasks& tasks)
 {
     // A sphere that is seen under a smaller ratio of radius to distance hides at most 1 % of what a patch sees.
     constexpr float k_least_ratio = 0.1f;
     const std::size_t count = patches.patches().size();
-    std::vector<glm::vec3> blocked(count, glm::vec3(0));
+    BlockedLinks blocked{std::vector<glm::vec3>(count, glm::vec3(0)), {}};
     if (spheres.empty() || (exitance.empty() && !surroundings.any())) return blocked;
+    std::vector<std::vector<BlockedLink>> links_of((count + k_patches_to_block - 1) / k_patches_to_block);   // by run
     tasks.for_each((count + k_patches_to_block - 1) / k_patches_to_block, [&](std::size_t run, int) {
         interruption_point();
         PatchRays cast;
@@ -338,14 +338,21 @@ std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchL
             const bool ends = !cast.leaves(k) && state.is_dynamic(cast.object(k));
             if (!ends && (passes.empty() || passes[k] == glm::vec3(1))) continue;
             const std::size_t p = of[k] / PatchLinks::k_all_rays, r = of[k] % PatchLinks::k_all_rays;
+            glm::vec3 part(1);
+            if (!links.passes.empty()) part = links.passes[of[k]];
+            if (!ends) part *= 1.0f - passes[k];
             glm::vec3 light = brings[k];
             if (r < PatchLinks::k_rays && !exitance.empty())
-                if (const std::uint16_t target = links.target[PatchLinks::k_rays * p + r]; target != PatchLinks::k_none)
+                if (const std::uint16_t target = links.target[PatchLinks::k_rays * p + r];
+                    target != PatchLinks::k_none) {
                     light = links.weight[p] * exitance[target];
-            if (!links.passes.empty()) light *= links.passes[of[k]];
-            blocked[p] += ends ? light : light * (1.0f - passes[k]);
+                    links_of[run].push_back({static_cast<PatchId>(p), target, links.weight[p] * part});
+                }
+            blocked.irradiance[p] += light * part;
         }
     });
+    for (const std::vector<BlockedLink>& some : links_of)
+        blocked.links.insert(blocked.links.end(), some.begin(), some.end());
     return blocked;
 }
 

@@ -51,14 +51,23 @@ struct BoundingSphere {
     float radius = 0;
 };
 
-/// Irradiance that dynamic objects keep from patches: that of links that they cross, and of the surroundings. A part of
-/// the rays of a patch is cast again where a sphere is so wide that it may matter.
+/// A link, or a part of it, that a dynamic object crosses.
+struct BlockedLink {
+    PatchId from;           // the patch whose ray it is,
+    std::uint16_t target;   // and the one that it meets
+    glm::vec3 weight;       // of the target's exitance in the irradiance that does not arrive
+};
+struct BlockedLinks {
+    std::vector<glm::vec3> irradiance;   // by patch: what does not arrive, by links and from the surroundings
+    std::vector<BlockedLink> links;      // in the order of `from`
+};
+/// What dynamic objects keep from patches: that of links that they cross, and of the surroundings. A part of the rays
+/// of a patch is cast again where a sphere is so wide that it may matter.
 /// @param spheres   around the dynamic objects
-/// @param exitance  radiant exitance by patch; empty: of the surroundings alone
-std::vector<glm::vec3> blocked_links(const SurfacePatches& patches, const PatchLinks& links,
-                                     const scene::SceneState& state, const ray::RayScene& rays,
-                                     const Surroundings& surroundings, std::span<const BoundingSphere> spheres,
-                                     std::span<const glm::vec3> exitance, Tasks& tasks);
+/// @param exitance  radiant exitance by patch; empty: of the surroundings alone, and no links
+BlockedLinks blocked_links(const SurfacePatches& patches, const PatchLinks& links, const scene::SceneState& state,
+                           const ray::RayScene& rays, const Surroundings& surroundings,
+                           std::span<const BoundingSphere> spheres, std::span<const glm::vec3> exitance, Tasks& tasks);
 
 /// Irradiance that each patch gets from the others.
 /// @param exitance  radiant exitance by patch

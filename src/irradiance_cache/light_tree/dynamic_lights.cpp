@@ -221,23 +221,53 @@ void LightTree::gather_dynamic(Tasks& tasks)
     }
     sides.finish();
     keep_brightest(dynamic_, options_.dynamic_lights);
+    of_maps_ = dynamic_.size(), halves_of_maps_ = dynamic_halves_.size();
+    reflectors_.clear();
     if (!patches_) return;
     // Add what the objects reflect of other light, as lights of their own: they have other areas.
-    std::vector<DynamicVirtualLight> others;
-    Sides of_others(others, dynamic_halves_);
-    const std::vector<glm::vec3> exitance = patches_->exitance_now(lost_);
     std::vector<std::vector<scene::ObjectId>> groups = dynamic_groups_;
     groups.insert(groups.end(), thin_groups_.begin(), thin_groups_.end());
-    for (const patches::DynamicReflection::Reflector& r :
-         reflection_.gather(*state_, *rays_, groups,
-                            {patches_->patches(), exitance, patches_->surroundings(), sized_,
-                             std::max(patches_->bounce_count() - 1, 0)},
-                            tasks))
-        of_others.add({owner_of(r.object), r.position, r.normal, r.sample, r.normal, r.flux, r.area},
-                      rays_->geometry(r.object));
-    of_others.finish();
+    reflectors_ = reflection_.gather(*state_, *rays_, groups,
+                                     {patches_->patches(), patches_->exitance_past(), patches_->surroundings(), sized_,
+                                      std::max(patches_->bounce_count() - 1, 0)},
+                                     tasks);
+    add_reflectors();
+}
+
+// Sums the reflectors by owner and by side, in place of those before.
+void LightTree::add_reflectors()
+{
+    dynamic_.resize(of_maps_), dynamic_halves_.resize(halves_of_maps_);
+    std::vector<DynamicVirtualLight> others;
+    Sides sides(others, dynamic_halves_);
+    for (const patches::DynamicReflection::Reflector& r : reflectors_)
+        sides.add({owner_of(r.object), r.position, r.normal, r.sample, r.normal, r.flux, r.area},
+                  rays_->geometry(r.object));
+    sides.finish();
     keep_brightest(others, options_.dynamic_lights);
     dynamic_.insert(dynamic_.end(), others.begin(), others.end());
+}
+
+// Adds the light that goes from dynamic objects to patches and back, again and again. Each time objects give off the
+// same part more, as if it were spread over them as their first light is; the sum of that geometric series is exact for
+// one object of one colour that is lit evenly.
+// @return  by colour: the factor by which patches receive more
+glm::vec3 LightTree::reflect_again()
+{
+    constexpr int k_least_bounces = 3;
+    constexpr float k_most_part = 0.5f;
+    if (patches_->bounce_count() < k_least_bounces || patches_->exitance_received().empty() || reflectors_.empty())
+        return glm::vec3(1);
+    const std::vector<glm::vec3> more =
+        reflection_.again(patches_->exitance_received(), std::max(patches_->bounce_count() - 1, 0));
+    glm::vec3 first(0), second(0), factor(1);
+    for (std::size_t l = 0; l < of_maps_; ++l) first += dynamic_[l].flux;
+    for (std::size_t k = 0; k < more.size(); ++k) first += reflectors_[k].flux, second += more[k];
+    for (int colour = 0; colour < 3; ++colour)
+        if (first[colour] > 0) factor[colour] = 1 / (1 - std::clamp(second[colour] / first[colour], 0.0f, k_most_part));
+    for (std::size_t k = 0; k < more.size(); ++k) reflectors_[k].flux += factor * more[k];
+    add_reflectors();
+    return factor;
 }
 
 }   // namespace gnomon::irradiance_cache

@@ -253,6 +253,8 @@ class LightTree {
     void mark_changes();
     void gather_dynamic(Tasks& tasks);
     void receive_dynamic(Tasks& tasks);
+    void add_reflectors();
+    glm::vec3 reflect_again();
     void find_dynamics();
     void find_roots();
     void make_patches(Tasks& tasks);
@@ -278,13 +280,16 @@ class LightTree {
     std::unique_ptr<PatchLight> patches_;                             // null: they would have no light
     NodeId patch_first_ = 0;                                          // all nodes, without patches
     Flux patch_difference_;
-    bool patches_changed_ = false;   // in this frame
+    bool patches_changed_ = false;    // in this frame
+    bool patches_differed_ = false;   // in the last one, from the light without dynamic objects
     std::vector<VirtualLightQuad> quads_;
     Samples samples_;
     Flux flux_, static_flux_;
     std::size_t differing_ = 0;
     std::vector<DynamicVirtualLight> dynamic_, dynamic_halves_;
+    std::size_t of_maps_ = 0, halves_of_maps_ = 0;   // of these, light that light maps hold
     patches::DynamicReflection reflection_;
+    std::vector<patches::DynamicReflection::Reflector> reflectors_;   // of other light
     std::vector<glm::vec3> lost_;       // flux of leaves that dynamic objects occlude, by patch
     std::vector<glm::vec3> received_;   // irradiance that dynamic objects reflect to patches
     PatchOccluders occluders_;          // that hide dynamic objects from patches

@@ -182,47 +182,62 @@ void PatchLight::light_static(std::span<const glm::vec3> lit, Tasks& tasks)
     differs_ = false;
 }
 
-std::vector<glm::vec3> PatchLight::exitance_now(std::span<const glm::vec3> lost) const
+void PatchLight::light_past(const scene::SceneState& state, const ray::RayScene& rays,
+                            std::span<const patches::BoundingSphere> spheres, std::span<const glm::vec3> lost,
+                            Tasks& tasks)
 {
-    std::vector<glm::vec3> exitance = static_exitance_;
-    for (std::size_t p = 0; p < exitance.size(); ++p) {
-        exitance[p] += albedo_[p] * (emission_.irradiance()[p] - emission_.static_irradiance()[p] - blocked_[p]) -
-                       lost[p] / area_[p];
-        exitance[p] = glm::max(exitance[p], glm::vec3(0));
-    }
-    return exitance;
-}
-
-void PatchLight::find_blocked(const scene::SceneState& state, const ray::RayScene& rays,
-                              std::span<const patches::BoundingSphere> spheres, Tasks& tasks)
-{
+    received_flux_.clear(), received_.clear();
     blocked_ = patches::blocked_links(patches_, links_, state, rays, surroundings_, spheres, static_exitance_, tasks);
-}
-
-void PatchLight::light_now(std::span<const glm::vec3> lost, std::span<const glm::vec3> received, Tasks& tasks)
-{
     const std::size_t count = area_.size();
     std::vector<glm::vec3> difference(count);
     bool any = false;
     for (std::size_t p = 0; p < count; ++p) {
         difference[p] = albedo_[p] * (emission_.irradiance()[p] - emission_.static_irradiance()[p]);
-        if (!received.empty()) difference[p] += albedo_[p] * received[p];
-        difference[p] -= albedo_[p] * blocked_[p];
+        difference[p] -= albedo_[p] * blocked_.irradiance[p];
         any = any || difference[p] != glm::vec3(0);
     }
-    if (!any && std::all_of(lost.begin(), lost.end(), [](const glm::vec3& v) { return v == glm::vec3(0); })) {
-        flux_ = static_flux_, differs_ = false;
-        return;
+    past_ = static_exitance_;
+    flux_ = static_flux_;
+    differs_ = any || std::any_of(lost.begin(), lost.end(), [](const glm::vec3& v) { return v != glm::vec3(0); });
+    if (!differs_) return;
+    for (std::size_t p = 0; p < count; ++p) flux_[p] += area_[p] * difference[p];
+    if (!bounces()) return;
+    for (std::size_t p = 0; p < count; ++p) difference[p] -= lost[p] / area_[p];
+    const std::vector<glm::vec3> bounced = bounce_now(difference, tasks);
+    for (std::size_t p = 0; p < count; ++p) {
+        flux_[p] += area_[p] * bounced[p];
+        past_[p] = glm::max(past_[p] + difference[p] + (sweeps() > 1 ? bounced[p] : glm::vec3(0)), glm::vec3(0));
     }
-    differs_ = true;
-    for (std::size_t p = 0; p < count; ++p) flux_[p] = static_flux_[p] + area_[p] * difference[p];
-    if (bounces()) {
-        for (std::size_t p = 0; p < count; ++p) difference[p] -= lost[p] / area_[p];
-        const patches::BounceOptions options{sweeps(), options_.stop_now, sweeps() == k_most_sweeps};
-        const std::vector<glm::vec3> bounced = patches::bounce(links_, surfaces(), difference, all_, options, tasks);
-        for (std::size_t p = 0; p < count; ++p) flux_[p] += area_[p] * bounced[p];
+}
+
+void PatchLight::receive(std::span<const glm::vec3> irradiance, Tasks& tasks)
+{
+    if (irradiance.empty()) return;
+    const std::size_t count = area_.size();
+    received_.resize(count), received_flux_.resize(count);
+    for (std::size_t p = 0; p < count; ++p) received_[p] = albedo_[p] * irradiance[p];
+    const std::vector<glm::vec3> bounced = bounces() ? bounce_now(received_, tasks) : std::vector<glm::vec3>(count);
+    for (std::size_t p = 0; p < count; ++p) {
+        received_flux_[p] = area_[p] * (received_[p] + bounced[p]);
+        if (sweeps() > 1) received_[p] += bounced[p];
     }
-    for (glm::vec3& flux : flux_) flux = glm::max(flux, glm::vec3(0));
+}
+
+void PatchLight::add_received(const glm::vec3& factor)
+{
+    for (std::size_t p = 0; p < received_flux_.size(); ++p) {
+        flux_[p] += factor * received_flux_[p];
+        differs_ = differs_ || received_flux_[p] != glm::vec3(0);
+    }
+    if (differs_)
+        for (glm::vec3& flux : flux_) flux = glm::max(flux, glm::vec3(0));
+}
+
+// How light that differs from that without dynamic objects bounces on.
+std::vector<glm::vec3> PatchLight::bounce_now(std::span<const glm::vec3> exitance, Tasks& tasks) const
+{
+    const patches::BounceOptions options{sweeps(), options_.stop_now, sweeps() == k_most_sweeps};
+    return patches::bounce(links_, surfaces(), exitance, all_, options, tasks, blocked_.links);
 }
 
 std::vector<glm::vec3> PatchLight::rough_irradiance() const
@@ -276,7 +291,10 @@ std::size_t PatchLight::bytes() const
 {
     return patches_.bytes() + links_.bytes() + emission_.bytes() + tree_.children.size() * 3 * sizeof(std::uint32_t) +
            area_.size() * (2 * sizeof(float) + sizeof(std::uint32_t) + 3 * sizeof(glm::vec3)) +
-           (static_exitance_.size() + blocked_.size()) * sizeof(glm::vec3);
+           (static_exitance_.size() + blocked_.irradiance.size() + past_.size() + received_.size() +
+            received_flux_.size()) *
+               sizeof(glm::vec3) +
+           blocked_.links.size() * sizeof(patches::BlockedLink);
 }
 
 }   // namespace gnomon::irradiance_cache

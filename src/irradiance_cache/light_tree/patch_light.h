@@ -73,17 +73,20 @@ class PatchLight {
     /// Finds the light without dynamic objects.
     /// @param lit  radiant flux of the light maps' leaves, by patch
     void light_static(std::span<const glm::vec3> lit, Tasks& tasks);
-    /// Finds what dynamic objects keep from the patches in this frame. Call before the two functions below.
-    /// @param spheres   around dynamic objects, which may come between patches
-    void find_blocked(const scene::SceneState& state, const ray::RayScene& rays,
-                      std::span<const patches::BoundingSphere> spheres, Tasks& tasks);
-    /// Finds the light of this frame.
-    /// @param lost      of that flux, what dynamic objects occlude
-    /// @param received  irradiance by patch that dynamic objects reflect to it; empty: none
-    void light_now(std::span<const glm::vec3> lost, std::span<const glm::vec3> received, Tasks& tasks);
-    /// Radiant exitance by patch that lights dynamic objects: of static light, past what they occlude and block. Empty
-    /// if light bounces once.
-    std::vector<glm::vec3> exitance_now(std::span<const glm::vec3> lost) const;
+    /// Finds the light of this frame past what dynamic objects occlude and block, without what they reflect.
+    /// @param spheres  around dynamic objects, which may come between patches
+    /// @param lost     of the light maps' flux, what dynamic objects occlude
+    void light_past(const scene::SceneState& state, const ray::RayScene& rays,
+                    std::span<const patches::BoundingSphere> spheres, std::span<const glm::vec3> lost, Tasks& tasks);
+    /// Finds what dynamic objects reflect to the patches, and how it bounces. Call after light_past().
+    /// @param irradiance  by patch; empty: none
+    void receive(std::span<const glm::vec3> irradiance, Tasks& tasks);
+    /// Adds what was received, times a factor by colour, to the light of this frame.
+    void add_received(const glm::vec3& factor);
+    /// Radiant exitance by patch that lights dynamic objects: of light_past(), and what receive() adds to it. Empty if
+    /// light bounces once, or nothing is received.
+    std::span<const glm::vec3> exitance_past() const { return past_; }
+    std::span<const glm::vec3> exitance_received() const { return received_; }
     const patches::Surroundings& surroundings() const { return surroundings_; }
     std::span<const glm::vec3> albedo() const { return albedo_; }
 
@@ -101,6 +104,7 @@ class PatchLight {
 
  private:
     int sweeps() const;
+    std::vector<glm::vec3> bounce_now(std::span<const glm::vec3> exitance, Tasks& tasks) const;
     void find_uneven();
     patches::PatchSurfaces surfaces() const { return {albedo_, counting_area_}; }
 
@@ -115,8 +119,9 @@ class PatchLight {
     std::vector<glm::vec3> albedo_;
     std::vector<float> area_, counting_area_;   // the second times Patch::weight
     double all_ = 0;                            // the flux of all static light
-    std::vector<glm::vec3> static_flux_, flux_;
-    std::vector<glm::vec3> blocked_;           // irradiance that dynamic objects keep from the patches
+    std::vector<glm::vec3> static_flux_, flux_, received_flux_;
+    patches::BlockedLinks blocked_;            // by dynamic objects
+    std::vector<glm::vec3> past_, received_;   // exitance that may bounce on
     std::vector<glm::vec3> static_exitance_;   // that may bounce on, of light maps' leaves as well
     bool differs_ = false;
 };

@@ -2,6 +2,7 @@
 // The patches of the static scene in the light tree (light_tree.h): their nodes, and the light that they reflect.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "irradiance_cache/light_tree/light_tree.h"
 
@@ -183,15 +184,17 @@ void LightTree::block_patches(Tasks& tasks)
                     add_moved(casters_.box(o), state_->object_matrix(o), box);
             if (!box.empty()) spheres.push_back(sphere_around(box));
         }
-    patches_->find_blocked(*state_, *rays_, spheres, tasks);
+    patches_->light_past(*state_, *rays_, spheres, lost_, tasks);
 }
 
 // Follows what dynamic objects occlude and reflect now.
 void LightTree::light_patches_now(Tasks& tasks)
 {
     if (!patches_) return;
-    const bool before = patches_->differs();
-    patches_->light_now(lost_, received_, tasks);
+    patches_->receive(received_, tasks);
+    const glm::vec3 factor = reflect_again();
+    patches_->add_received(factor);
+    const bool before = std::exchange(patches_differed_, patches_->differs());
     if (!before && !patches_->differs()) return;
     const PatchTree& tree = patches_->tree();
     const std::size_t count = tree.children.size();

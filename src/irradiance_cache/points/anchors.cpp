@@ -166,11 +166,11 @@ AnchorKey corner_key(std::uint32_t scene_triangle, bool front, std::uint32_t lev
     return key_of({scene_triangle, front, level, i + k_corner_row * j, false, true});
 }
 
-glm::vec2 place_of_corner(const Part& part)
+glm::vec2 place_of_corner(const Part& part, float inset)
 {
     const glm::vec2 at(part.index % k_corner_row, part.index / k_corner_row);
-    const float n = std::exp2(static_cast<float>(part.level)), inset = k_corner_inset / n;
-    return inset + (1 - 3 * inset) / n * at;
+    const float n = std::exp2(static_cast<float>(part.level)), moved = inset / n;
+    return moved + (1 - 3 * moved) / n * at;
 }
 
 std::vector<std::uint32_t> first_triangles(const scene::Scene& scene)

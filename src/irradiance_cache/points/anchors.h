@@ -101,11 +101,13 @@ AnchorKey key_of(const Part& part);
 /// @param level  up to k_corner_levels
 AnchorKey corner_key(std::uint32_t scene_triangle, bool front, std::uint32_t level, std::uint32_t i, std::uint32_t j);
 inline constexpr std::uint32_t k_corner_levels = 7;
-/// Barycentric (u, v) of the cache point of a corner. On the triangle's sides, it lies a little inside: just at a side,
-/// what touches the triangle there would be in the way.
+/// Barycentric (u, v) of a corner.
+/// @param inset  how far those on the triangle's sides are moved inwards, as a fraction of a micro-triangle's height
 /// @pre part.corner
-glm::vec2 place_of_corner(const Part& part);
-inline constexpr float k_corner_inset = 0.15f;   // of a micro-triangle's height
+glm::vec2 place_of_corner(const Part& part, float inset);
+/// The inset of cache points, which have the corner's normal: just at a side, what touches the triangle there would be
+/// in the way.
+inline constexpr float k_corner_inset = 0.15f;
 Part part_of(AnchorKey key);
 /// By object: the number of its first triangle among all triangles of the scene.
 /// @throws MissingError  if there are more triangles than 32 bits can number

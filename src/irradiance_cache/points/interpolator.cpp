@@ -345,6 +345,18 @@ void Interpolator::find_hidden(const CacheFrame& frame, std::span<const Indirect
     }
 }
 
+// How a surface point's normal differs from that between its parts, as by a normal map. Each part has the light of its
+// own normal: towards a surface point that is turned away, it would lack what comes from below its horizon.
+// @param first  of the point's parts, which follow one another
+glm::vec3 Interpolator::turn_from_parts(const IndirectPoint& point, const BatchWork& work, std::size_t first)
+{
+    glm::vec3 mean(0);
+    for (std::size_t k = first; k < work.parts.size() && work.parts[k].point == work.parts[first].point; ++k)
+        mean += work.parts[k].weight * work.parts[k].part->normal;
+    const float length = glm::length(mean);
+    return length > 0 ? point.normal - mean / length : glm::vec3(0);
+}
+
 void Interpolator::blend_parts(const CacheFrame& frame, std::span<const IndirectPoint> points, PartsAre are,
                                BatchWork& work, glm::vec3* irradiance, CacheCounters& counters)
 {
@@ -353,6 +365,7 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
         return points[request.point].of_many && !work.dynamic[request.point];
     };
     if (are == PartsAre::far || are == PartsAre::finer) find_hidden(frame, points, work, counters);
+    glm::vec3 turn(0);   // of a surface point
     for (std::size_t k = 0; k < work.parts.size(); ++k) {
         const PartRequest& request = work.parts[k];
         const IndirectPoint& point = points[request.point];
@@ -360,7 +373,10 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
             work.queued = true;
             continue;
         }
-        glm::vec3 light = request.part->irradiance(point.normal);
+        const bool between = are == PartsAre::far && work.dynamic[request.point];
+        if (between && (k == 0 || work.parts[k - 1].point != request.point)) turn = turn_from_parts(point, work, k);
+        const glm::vec3 normal = between ? request.part->normal + turn : point.normal;
+        glm::vec3 light = request.part->irradiance(normal);
         // Take finer parts where geometry covers the centre of a part or hides it from the surface point, or where it
         // is dark, so that no black dot appears; of a mean, once. The part around a pixel beside a seam may lie beyond
         // it, inside other geometry: then one closer to the pixel takes its place.
@@ -375,7 +391,7 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
             replaced = unlike(luminance(light), luminance(request.fallback.light));
         if (replaced < 1) {
             const float weight = (1 - replaced) * request.weight;
-            float form_factor = request.part->form_factor(point.normal);
+            float form_factor = request.part->form_factor(normal);
             if (light == glm::vec3(0)) {
                 const Arriving around = around_part(frame, point, request, work);
                 light = around.light, form_factor = around.form_factor;

@@ -46,6 +46,7 @@ class Interpolator {
                                 BatchWork& work);
     static float difference(const CollectedCell& cell, const LatticeLight& light, std::size_t k);
     static float unevenness(const CacheFrame& frame, const CollectedCell& cell, const IndirectPoint& point);
+    static glm::vec3 turn_from_parts(const IndirectPoint& point, const BatchWork& work, std::size_t first);
     static glm::vec4 near_at(const CollectedCell& cell, const LatticeLight& light, std::size_t k);
     static Arriving without_near(const CollectedCell& cell, const LatticeLight& light, std::size_t k);
     Arriving fallback(const BatchWork& work, std::size_t request);

@@ -91,10 +91,7 @@ void add_corners_around(PartWeights& parts, std::uint32_t triangle, bool front, 
                         float weight)
 {
     const auto n = static_cast<float>(1u << level);
-    // Those of the outermost ones lie a little inside (place_of_corner()).
-    const float inset = k_corner_inset / n, wider = 1 / (1 - 3 * inset);
-    const float x = std::clamp((u - inset) * wider, 0.0f, 1.0f), y = std::clamp((v - inset) * wider, 0.0f, 1.0f);
-    const float sum = std::max(x + y, 1.0f);
+    const float x = std::clamp(u, 0.0f, 1.0f), y = std::clamp(v, 0.0f, 1.0f), sum = std::max(x + y, 1.0f);
     const MicroTriangle part = micro_part_at(x / sum, y / sum, level);
     const float fx = std::clamp(n * x / sum - static_cast<float>(part.i), 0.0f, 1.0f),
                 fy = std::clamp(n * y / sum - static_cast<float>(part.j), 0.0f, 1.0f);

@@ -75,18 +75,18 @@ float place_part(const CacheFrame& frame, CachePoint& point)
         point.facing = glm::vec3(0);
         return 0;
     }
-    glm::vec2 uv;
+    glm::vec2 uv, at_normal;
     float size;
     if (part.slice) {
         const SliceMiddle middle = middle_of_slice(slender_triangle(p), part);
-        uv = {middle.weight[1], middle.weight[2]}, size = middle.size;
+        uv = at_normal = {middle.weight[1], middle.weight[2]}, size = middle.size;
     } else {
         if (part.corner) {
-            uv = place_of_corner(part);
+            uv = place_of_corner(part, k_corner_inset), at_normal = place_of_corner(part, 0);
         } else {
             glm::dvec2 corner[3];
             corners_of(micro_at(part.index, part.level), part.level, corner);
-            uv = (corner[0] + corner[1] + corner[2]) / 3.0;
+            uv = at_normal = (corner[0] + corner[1] + corner[2]) / 3.0;
         }
         size = std::sqrt(0.5f * length) / std::exp2(static_cast<float>(part.level));
     }
@@ -95,7 +95,7 @@ float place_part(const CacheFrame& frame, CachePoint& point)
     point.position = w * p[0] + uv.x * p[1] + uv.y * p[2];
     point.lift = ray::origin_lift(p);
     point.geometric_normal = normal;
-    point.normal = shading_normal(geometry, triangle, w, uv.x, uv.y, normal);
+    point.normal = shading_normal(geometry, triangle, 1 - at_normal.x - at_normal.y, at_normal.x, at_normal.y, normal);
     point.horizon = ray::smooth_horizon(normal, point.normal);
     point.smooth_lift = ray::smooth_lift(geometry, triangle, uv.x, uv.y, normal);
     return size;

@@ -38,7 +38,8 @@ std::array<std::int64_t, 3> cube_at(const glm::dvec3& place)
 // A triangle that represents others, in units of a cube.
 struct Representative {
     std::uint32_t triangle;
-    glm::vec3 centre, normal;   // the normal is that of the winding, on the side that most vertex normals are on
+    glm::vec3 centre, normal;   // the normal is the mean of the vertices'
+    float area;                 // of all triangles that it represents
 };
 
 // Blends the representatives around vertices.
@@ -47,8 +48,14 @@ class Blender {
     Blender(const scene::Mesh& mesh, double scale) : mesh_(mesh), scale_(scale) {}
 
     // Sorts the representatives into cubes.
-    void sort(const std::vector<std::uint32_t>& representatives, float side)
+    void sort(const std::vector<std::uint32_t>& representatives)
     {
+        std::vector<float> area(representatives.size(), 0.0f);
+        for (std::uint32_t t = 0; t < representatives.size(); ++t) {
+            const glm::uvec3 index = mesh_.triangles[t];
+            const glm::dvec3 a = at(index[0]), b = at(index[1]), c = at(index[2]);
+            area[representatives[t]] += static_cast<float>(glm::length(glm::cross(b - a, c - a)));
+        }
         for (std::uint32_t t = 0; t < representatives.size(); ++t) {
             if (representatives[t] != t) continue;
             const glm::uvec3 index = mesh_.triangles[t];
@@ -56,9 +63,11 @@ class Blender {
             const glm::vec3 cross(glm::cross(b - a, c - a));
             const float length = glm::length(cross);
             const auto longest = static_cast<float>(std::max(glm::dot(b - a, b - a), glm::dot(c - a, c - a)));
-            if (!(length > k_degenerate * longest) || !std::isfinite(length)) continue;
+            const glm::vec3 normal = mesh_.normals[index[0]] + mesh_.normals[index[1]] + mesh_.normals[index[2]];
+            if (!(length > k_degenerate * longest) || !std::isfinite(length) || !(glm::dot(normal, normal) > 0))
+                continue;
             const glm::dvec3 centre = (a + b + c) / 3.0;
-            in_cube_[{with_zero(cube_at(centre))}].push_back({t, glm::vec3(centre), side / length * cross});
+            in_cube_[{with_zero(cube_at(centre))}].push_back({t, glm::vec3(centre), glm::normalize(normal), area[t]});
         }
     }
 
@@ -87,9 +96,9 @@ class Blender {
 
  private:
     static constexpr int k_most = 4;
-    static constexpr float k_reach = 1.5f, k_height = 0.5f;         // cubes
-    static constexpr float k_facing = 0.3f, k_faces_alike = 0.9f;   // cosines
-    static constexpr float k_degenerate = 1e-5f;                    // height, in lengths: such a triangle has no normal
+    static constexpr float k_reach = 1.5f, k_height = 0.5f;           // cubes
+    static constexpr float k_facing = 0.85f, k_faces_alike = 0.97f;   // cosines
+    static constexpr float k_degenerate = 1e-5f;   // height, in lengths: such a triangle has no normal
 
     static float weight_of(const Representative& r, const glm::vec3& p, const glm::vec3& n)
     {
@@ -97,7 +106,7 @@ class Blender {
         const float near = 1 - glm::dot(d, d) / (k_reach * k_reach);
         const float facing = (glm::dot(r.normal, n) - k_facing) / (k_faces_alike - k_facing);
         const float height = glm::dot(d, n) / k_height, low = 1 - height * height;
-        return near > 0 && facing > 0 && low > 0 ? near * near * std::min(facing, 1.0f) * low : 0.0f;
+        return near > 0 && facing > 0 && low > 0 ? r.area * near * near * std::min(facing, 1.0f) * low : 0.0f;
     }
     static std::array<std::int64_t, 4> with_zero(const std::array<std::int64_t, 3>& at)
     {
@@ -179,11 +188,10 @@ const ClusterBlends& TriangleClusters::blends(scene::MeshId id, const scene::Mes
         blends->apart[t] = glm::dot(glm::cross(b - a, c - a), n) < 0;
         behind += blends->apart[t] ? 1 : 0;
     }
-    const bool reversed = 2 * behind > mesh.triangles.size();
-    if (reversed) blends->apart.flip();
+    if (2 * behind > mesh.triangles.size()) blends->apart.flip();
 
     Blender blender(mesh, std::ldexp(1.0, -level));
-    blender.sort(representatives_locked(id, mesh, level), reversed ? -1.0f : 1.0f);
+    blender.sort(representatives_locked(id, mesh, level));
     blends->of_vertex.reserve(mesh.positions.size());
     for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) blends->of_vertex.push_back(blender.at_vertex(v));
     made = std::move(blends);
