@@ -282,7 +282,8 @@ TEST(Patches, RaysAcrossASphereAreFoundFromThePatchsMiddle)
         }
         const auto found = [&](const PatchLinks& with) {
             return patches::blocked_links(patches, with, world.state, world.rays, surroundings, spheres, exitance,
-                                          world.tasks);
+                                          world.tasks)
+                .irradiance;
         };
         const std::vector<glm::vec3> expected = found(slow);
         EXPECT_TRUE(same_bits(found(links), expected)) << frame;

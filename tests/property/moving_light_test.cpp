@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bounced light on what may move: without facets or dots, and that of the same object that stands still.
+// Bounced light on what may move, and around it: without facets or dots, and that of the same object that stands still.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -53,29 +53,34 @@ Triangles ball(std::uint32_t rings)
     return mesh;
 }
 
+struct Albedo {
+    float object = 0.7f, walls = 0.7f;   // two of the walls are red and green
+};
+
 struct Corner {
     Scene scene;
     InstanceId object;
 };
 
 // An object in the corner of a floor, a red and a green wall, under an even sky with a bright spot.
-Corner corner(const Triangles& mesh, Mobility mobility)
+Corner corner(const Triangles& mesh, Mobility mobility, const Albedo& albedo = {})
 {
     SceneBuilder builder;
     const auto matte = [&](float r, float g, float b) {
         return builder.material({.base_color = {r, g, b}, .roughness = 1, .ior = 1});
     };
-    const MaterialId white = matte(0.7f, 0.7f, 0.7f);
+    const float light = albedo.walls, dark = 0.1f * albedo.walls;
     const std::vector<std::uint32_t> quad{0, 2, 1, 0, 3, 2};
     const auto wall = [&](const std::vector<Vec3>& positions, MaterialId material) {
         builder.instance(builder.mesh({.positions = positions, .indices = quad}), material);
     };
-    wall({{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}}, white);
-    wall({{-2, 0, -2}, {-2, 0, 2}, {-2, 4, 2}, {-2, 4, -2}}, matte(0.7f, 0.05f, 0.05f));
-    wall({{-2, 0, -2}, {-2, 4, -2}, {2, 4, -2}, {2, 0, -2}}, matte(0.05f, 0.6f, 0.05f));
+    wall({{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}}, matte(light, light, light));
+    wall({{-2, 0, -2}, {-2, 0, 2}, {-2, 4, 2}, {-2, 4, -2}}, matte(light, dark, dark));
+    wall({{-2, 0, -2}, {-2, 4, -2}, {2, 4, -2}, {2, 0, -2}}, matte(dark, light, dark));
     const InstanceId object =
         builder.instance(builder.mesh({.positions = mesh.positions, .indices = mesh.indices, .normals = mesh.normals}),
-                         white, Transform::translation(-0.9, 0.65, 0.2), {.mobility = mobility});
+                         matte(albedo.object, albedo.object, albedo.object), Transform::translation(-0.9, 0.65, 0.2),
+                         {.mobility = mobility});
     constexpr int k_width = 64, k_height = 32;
     std::vector<float> sky(3 * k_width * k_height, 0.0f);
     std::fill_n(sky.begin(), sky.size() / 2, 0.3f);
@@ -107,10 +112,10 @@ std::vector<double> bounced(Renderer& renderer, const Corner& corner, const std:
     throw std::runtime_error("no layer of indirect light");
 }
 
-RenderOptions options()
+RenderOptions options(Size size = k_size)
 {
     RenderOptions options;
-    options.size = k_size;
+    options.size = size;
     options.layers = true;
     return options;
 }
@@ -178,6 +183,38 @@ TEST(MovingLight, OnASmoothBallOfLargeTrianglesIsSmooth)
 {
     const Window middle{130, 90, 190, 150};
     expect_smooth(ball(12), middle, 0.006);
+}
+
+// The light of a window of a scene with an object that may move, relative to that with one that stands still.
+double part_of_still(const Triangles& mesh, const Albedo& albedo, const Window& window)
+{
+    const double moving = mean(bounced(corner(mesh, Mobility::may_move, albedo)), window),
+                 still = mean(bounced(corner(mesh, Mobility::fixed, albedo)), window);
+    std::printf("%.3f of the light of what stands still\n", moving / still);
+    return moving / still;
+}
+
+// What a black box blocks was blocked once, not at every bounce.
+TEST(MovingLight, BesideABlackBoxIsBlockedAtEveryBounce)
+{
+    const Window floor{10, 200, 310, 239}, wall{2, 2, 120, 60};
+    EXPECT_NEAR(part_of_still(box(), {.object = 0, .walls = 0.7f}, floor), 1, 0.03);
+    EXPECT_NEAR(part_of_still(box(), {.object = 0, .walls = 0.7f}, wall), 1, 0.03);
+}
+
+// Light from a box to walls and floor and back was left out.
+TEST(MovingLight, GoesFromABoxToWallsAndBack)
+{
+    const Window wall{2, 2, 120, 60}, right{188, 80, 240, 150};
+    EXPECT_NEAR(part_of_still(box(), {.object = 0.9f, .walls = 0.9f}, wall), 1, 0.035);
+    EXPECT_NEAR(part_of_still(box(), {.object = 0.9f, .walls = 0.9f}, right), 1, 0.03);
+}
+
+// Rays of a ball's places met the sky's bright spot by chance, and what faces away from it by most hardly ever.
+TEST(MovingLight, OfABallInTheLightOfABrightSpotReachesTheWallBehind)
+{
+    const Window above{60, 2, 300, 40};
+    EXPECT_NEAR(part_of_still(ball(24), {.object = 0.7f, .walls = 0.01f}, above), 1, 0.08);
 }
 
 // Half of a ball collapses to a point and comes back. A part of a triangle without area was never placed again.
