@@ -15,6 +15,8 @@ namespace {
 // Triangles of dynamic objects are small below these twice their areas, in squares of the spacing: flat ones that would
 // not be divided, and those of smooth meshes that would be divided once.
 constexpr float k_flat_small = 2, k_smooth_small = 4;
+// Small ones are long from this many spacings on; and slices of these are as long as so many spacings of corners.
+constexpr float k_long = 3, k_slice = 2;
 // One level of their corners fades into the next faster than elsewhere: both are evaluated in each frame.
 constexpr float k_faster = 2;
 
@@ -145,6 +147,18 @@ PartWeights select_moving_parts(const CacheFrame& frame, const IndirectPoint& po
         const float finer = level == detail.level ? frame.fade_in(k_faster * detail.fraction) : 1.0f;
         add_corners_around(parts, triangle, front, level, point.u, point.v, finer);
         if (finer < 1) add_corners_around(parts, triangle, front, level - 1, point.u, point.v, 1 - finer);
+        return parts;
+    }
+    // Interpolate along a long and narrow triangle.
+    glm::vec3 corner[3];
+    geometry.corners(point.triangle, corner);
+    const SlenderTriangle slender = slender_triangle(corner);
+    if (slender.height > 0 && slender.length > k_long * spacing) {
+        const float width = k_slice * frame.options.pixels_per_corner * point.width;
+        const std::uint32_t level = part_detail(slender.length * slender.length, width).level;
+        const SlicesAround around = slices_around(slender, frame.triangles.first(point.object) + point.triangle, front,
+                                                  level, point.u, point.v);
+        for (int i = 0; i < 2; ++i) parts.add(around.key[i], around.weight[i]);
         return parts;
     }
     // Blend clusters of small triangles where normals say that these stand for a smooth surface.

@@ -34,6 +34,20 @@ float top_at(const SlenderTriangle& triangle, float along)
     return triangle.foot < 1 ? (1 - along) / (1 - triangle.foot) : 1.0f;
 }
 
+// Where barycentric coordinates lie along the longest side, 0 to 1, and in which row of slices.
+struct PlaceInSlender {
+    float along;
+    std::uint32_t row;
+};
+PlaceInSlender place_in(const SlenderTriangle& triangle, std::uint32_t level, float u, float v)
+{
+    const float weight[3]{1 - u - v, u, v};
+    const float third = weight[(triangle.first + 2) % 3];
+    const float along = std::clamp(weight[(triangle.first + 1) % 3] + triangle.foot * third, 0.0f, 1.0f);
+    const float top = top_at(triangle, along);
+    return {along, top > 0 ? cell_of(third / top, halvings_of_height(triangle, level)) : 0};
+}
+
 }   // namespace
 
 SlenderTriangle slender_triangle(const glm::vec3 corner[3])
@@ -65,13 +79,20 @@ bool is_slender(const SlenderTriangle& triangle)
 AnchorKey slice_key(const SlenderTriangle& triangle, std::uint32_t scene_triangle, bool front, std::uint32_t level,
                     float u, float v)
 {
-    const float weight[3]{1 - u - v, u, v};
-    const float third = weight[(triangle.first + 2) % 3];
-    const float along = std::clamp(weight[(triangle.first + 1) % 3] + triangle.foot * third, 0.0f, 1.0f);
-    const float top = top_at(triangle, along);
-    const std::uint32_t across = halvings_of_height(triangle, level);
-    const std::uint32_t row = top > 0 ? cell_of(third / top, across) : 0;
+    const auto [along, row] = place_in(triangle, level, u, v);
     return key_of(Part{scene_triangle, front, level, (row << level) | cell_of(along, level), true});
+}
+
+SlicesAround slices_around(const SlenderTriangle& triangle, std::uint32_t scene_triangle, bool front,
+                           std::uint32_t level, float u, float v)
+{
+    const auto [along, row] = place_in(triangle, level, u, v);
+    const auto last = static_cast<float>((1u << level) - 1);
+    const float x = std::clamp(along * (last + 1) - 0.5f, 0.0f, last), first = std::min(std::floor(x), last);
+    const auto key = [&, row = row](float cell) {
+        return key_of(Part{scene_triangle, front, level, (row << level) | static_cast<std::uint32_t>(cell), true});
+    };
+    return {{key(first), key(std::min(first + 1, last))}, {1 - (x - first), x - first}};
 }
 
 SliceMiddle middle_of_slice(const SlenderTriangle& triangle, const Part& part)

@@ -30,6 +30,14 @@ bool is_slender(const SlenderTriangle& triangle);
 AnchorKey slice_key(const SlenderTriangle& triangle, std::uint32_t scene_triangle, bool front, std::uint32_t level,
                     float u, float v);
 
+/// The two slices along the longest side between whose middles barycentric coordinates lie, with their weights.
+struct SlicesAround {
+    AnchorKey key[2];
+    float weight[2];
+};
+SlicesAround slices_around(const SlenderTriangle& triangle, std::uint32_t scene_triangle, bool front,
+                           std::uint32_t level, float u, float v);
+
 /// The middle of a slice, as weights of the corners, and its size: the square root of its mean area.
 struct SliceMiddle {
     std::array<float, 3> weight;
