@@ -2,6 +2,7 @@
 // Keys of cache points: the part of a triangle that represents a surface point, by level of detail.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -76,6 +77,45 @@ TEST(Anchors, SlicesOfASlenderTriangleAreAboutAsLongAsWide)
             EXPECT_LE(std::abs(x - at), 1.001f / static_cast<float>(1u << level));
         }
     EXPECT_NE(slice_key(slender, 77, true, 0, 0.2f, 0.2f), part_key(77, true, 0, 0.2f, 0.2f));
+}
+
+// Places along the side are interpolated linearly between the middles of slices.
+TEST(Anchors, SlicesAroundAPlaceLieOnBothSidesOfIt)
+{
+    const glm::vec3 corner[3]{{0, 0, 0}, {0.5f, 0.02f, 0}, {2, 0, 0}};
+    const SlenderTriangle slender = slender_triangle(corner);
+    const auto x_of = [&](float u, float v) { return u * corner[1].x + v * corner[2].x; };
+    for (const std::uint32_t level : {0u, 3u, 5u})
+        for (const glm::vec2 uv : {glm::vec2(0.1f, 0.2f), {0.3f, 0.6f}, {0.02f, 0.7f}}) {
+            const SlicesAround around = slices_around(slender, 77, true, level, uv.x, uv.y);
+            float x = 0;
+            for (int i = 0; i < 2; ++i) {
+                const SliceMiddle middle = middle_of_slice(slender, part_of(around.key[i]));
+                x += around.weight[i] * x_of(middle.weight[1], middle.weight[2]);
+            }
+            EXPECT_FLOAT_EQ(around.weight[0] + around.weight[1], 1);
+            EXPECT_NEAR(x, level > 0 ? x_of(uv.x, uv.y) : x, 1e-5f);
+        }
+}
+
+TEST(Anchors, CornersOfMicroTriangles)
+{
+    for (const std::uint32_t level : {0u, 1u, 5u, k_corner_levels}) {
+        const std::uint32_t n = 1u << level;
+        for (const auto& [i, j] : {std::pair{0u, 0u}, {n, 0u}, {0u, n}, {n / 2, n / 2}}) {
+            const AnchorKey key = corner_key(123456, true, level, i, j);
+            EXPECT_FALSE(is_near(key) || is_lattice(key));
+            const Part part = part_of(key);
+            EXPECT_TRUE(part.corner && part.front && !part.slice);
+            EXPECT_EQ(part.triangle, 123456u);
+            EXPECT_EQ(part.level, level);
+            const glm::vec2 at = place_of_corner(part, 0), inside = place_of_corner(part, k_corner_inset);
+            EXPECT_FLOAT_EQ(at.x, static_cast<float>(i) / static_cast<float>(n));
+            EXPECT_FLOAT_EQ(at.y, static_cast<float>(j) / static_cast<float>(n));
+            EXPECT_GT(std::min({inside.x, inside.y, 1 - inside.x - inside.y}), 0);
+        }
+    }
+    EXPECT_NE(corner_key(1, true, 0, 0, 0), part_key(1, true, 0, 0, 0));
 }
 
 TEST(Anchors, RejectsMoreTrianglesThanNumbers)
