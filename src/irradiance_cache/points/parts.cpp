@@ -161,10 +161,12 @@ PartWeights select_moving_parts(const CacheFrame& frame, const IndirectPoint& po
         for (int i = 0; i < 2; ++i) parts.add(around.key[i], around.weight[i]);
         return parts;
     }
-    // Blend clusters of small triangles where normals say that these stand for a smooth surface.
+    // Blend clusters of small triangles where normals say that these stand for a smooth surface; not in mirrors, which
+    // show few pixels of each object, and would ask for half as many clusters again.
     const float scale = std::cbrt(std::abs(glm::determinant(glm::mat3(frame.state->object_matrix(point.object)))));
     const float in_mesh = scale > 0 ? spacing / scale : spacing;
-    if (!smooth || !(in_mesh > 0) || !std::isfinite(in_mesh)) return select_parts(frame, point, spacing, spacing);
+    if (!smooth || point.x < 0 || !(in_mesh > 0) || !std::isfinite(in_mesh))
+        return select_parts(frame, point, spacing, spacing);
     const Detail detail = detail_of(in_mesh);
     const ClusterBlends& blends = frame.clusters.blends(object.mesh, *geometry.mesh, detail.level);
     if (blends.apart[point.triangle]) return select_parts(frame, point, spacing, spacing);
