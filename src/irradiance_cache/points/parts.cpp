@@ -116,10 +116,11 @@ void add_blend(const CacheFrame& frame, PartWeights& parts, const IndirectPoint&
                bool front, float weight)
 {
     const std::uint32_t first = frame.triangles.first(point.object);
-    const glm::uvec3 index = frame.rays->geometry(point.object).mesh->triangles[point.triangle];
+    const scene::Mesh& mesh = *frame.rays->geometry(point.object).mesh;
+    const glm::uvec3 index = mesh.triangles[point.triangle];
     const float of_corner[3] = {std::max(1 - point.u - point.v, 0.0f), point.u, point.v};
     for (int corner = 0; corner < 3; ++corner) {
-        const ClusterBlends::Blend& blend = blends.of_vertex[index[corner]];
+        const ClusterBlends::Blend blend = blends.of_vertex(mesh, index[corner]);
         if (!(blend.weight[0] > 0)) {   // nothing is around
             parts.add(part_key(first + point.triangle, front, 0, point.u, point.v), weight * of_corner[corner]);
             continue;
@@ -169,7 +170,7 @@ PartWeights select_moving_parts(const CacheFrame& frame, const IndirectPoint& po
         return select_parts(frame, point, spacing, spacing);
     const Detail detail = detail_of(in_mesh);
     const ClusterBlends& blends = frame.clusters.blends(object.mesh, *geometry.mesh, detail.level);
-    if (blends.apart[point.triangle]) return select_parts(frame, point, spacing, spacing);
+    if (blends.apart(point.triangle)) return select_parts(frame, point, spacing, spacing);
     const float wider = frame.fade_in(detail.fraction);
     add_blend(frame, parts, point, blends, front, wider);
     if (wider < 1)

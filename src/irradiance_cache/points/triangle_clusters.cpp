@@ -42,28 +42,27 @@ struct Representative {
     float area;                 // of all triangles that it represents
 };
 
-// Blends the representatives around vertices.
-class Blender {
- public:
-    Blender(const scene::Mesh& mesh, double scale) : mesh_(mesh), scale_(scale) {}
+}   // namespace
 
-    // Sorts the representatives into cubes.
-    void sort(const std::vector<std::uint32_t>& representatives)
+// The representatives, in their cubes.
+class ClusterBlends::Cubes {
+ public:
+    Cubes(const scene::Mesh& mesh, double scale, const std::vector<std::uint32_t>& representatives) : scale_(scale)
     {
         std::vector<float> area(representatives.size(), 0.0f);
         for (std::uint32_t t = 0; t < representatives.size(); ++t) {
-            const glm::uvec3 index = mesh_.triangles[t];
-            const glm::dvec3 a = at(index[0]), b = at(index[1]), c = at(index[2]);
+            const glm::uvec3 index = mesh.triangles[t];
+            const glm::dvec3 a = at(mesh, index[0]), b = at(mesh, index[1]), c = at(mesh, index[2]);
             area[representatives[t]] += static_cast<float>(glm::length(glm::cross(b - a, c - a)));
         }
         for (std::uint32_t t = 0; t < representatives.size(); ++t) {
             if (representatives[t] != t) continue;
-            const glm::uvec3 index = mesh_.triangles[t];
-            const glm::dvec3 a = at(index[0]), b = at(index[1]), c = at(index[2]);
+            const glm::uvec3 index = mesh.triangles[t];
+            const glm::dvec3 a = at(mesh, index[0]), b = at(mesh, index[1]), c = at(mesh, index[2]);
             const glm::vec3 cross(glm::cross(b - a, c - a));
             const float length = glm::length(cross);
             const auto longest = static_cast<float>(std::max(glm::dot(b - a, b - a), glm::dot(c - a, c - a)));
-            const glm::vec3 normal = mesh_.normals[index[0]] + mesh_.normals[index[1]] + mesh_.normals[index[2]];
+            const glm::vec3 normal = mesh.normals[index[0]] + mesh.normals[index[1]] + mesh.normals[index[2]];
             if (!(length > k_degenerate * longest) || !std::isfinite(length) || !(glm::dot(normal, normal) > 0))
                 continue;
             const glm::dvec3 centre = (a + b + c) / 3.0;
@@ -71,23 +70,19 @@ class Blender {
         }
     }
 
-    ClusterBlends::Blend at_vertex(std::uint32_t vertex)
+    // Blends those in the cube of a vertex and in the cubes that touch it.
+    Blend at_vertex(const scene::Mesh& mesh, std::uint32_t vertex) const
     {
-        const glm::dvec3 place = at(vertex);
-        const glm::vec3 p(place), n = mesh_.normals[vertex];
-        ClusterBlends::Blend blend;
+        const glm::dvec3 place = at(mesh, vertex);
+        const glm::vec3 p(place), n = mesh.normals[vertex];
+        const std::array<std::int64_t, 3> own = cube_at(place);
+        Blend blend;
         int count = 0;
-        for (const Representative& r : around(cube_at(place))) {
-            const float weight = weight_of(r, p, n);
-            if (!(weight > 0)) continue;
-            // Keep the four largest, in falling order.
-            int i = std::min(count, k_most - 1);
-            if (count == k_most && !(weight > blend.weight[i])) continue;
-            for (; i > 0 && weight > blend.weight[i - 1]; --i)
-                blend.weight[i] = blend.weight[i - 1], blend.triangle[i] = blend.triangle[i - 1];
-            blend.weight[i] = weight, blend.triangle[i] = r.triangle;
-            count = std::min(count + 1, k_most);
-        }
+        for (std::int64_t x = own[0] - 1; x <= own[0] + 1; ++x)
+            for (std::int64_t y = own[1] - 1; y <= own[1] + 1; ++y)
+                for (std::int64_t z = own[2] - 1; z <= own[2] + 1; ++z)
+                    if (const auto in = in_cube_.find({{x, y, z, 0}}); in != in_cube_.end())
+                        for (const Representative& r : in->second) add(blend, count, r.triangle, weight_of(r, p, n));
         const float sum = (blend.weight[0] + blend.weight[1]) + (blend.weight[2] + blend.weight[3]);
         if (sum > 0)
             for (float& weight : blend.weight) weight /= sum;
@@ -112,27 +107,65 @@ class Blender {
     {
         return {at[0], at[1], at[2], 0};
     }
-    glm::dvec3 at(std::uint32_t vertex) const { return glm::dvec3(mesh_.positions[vertex]) * scale_; }
-
-    // The representatives in a cube and those that touch it.
-    const std::vector<Representative>& around(const std::array<std::int64_t, 3>& at)
+    glm::dvec3 at(const scene::Mesh& mesh, std::uint32_t vertex) const
     {
-        const auto [found, fresh] = around_.try_emplace({with_zero(at)});
-        if (!fresh) return found->second;
-        for (std::int64_t x = at[0] - 1; x <= at[0] + 1; ++x)
-            for (std::int64_t y = at[1] - 1; y <= at[1] + 1; ++y)
-                for (std::int64_t z = at[2] - 1; z <= at[2] + 1; ++z)
-                    if (const auto in = in_cube_.find({{x, y, z, 0}}); in != in_cube_.end())
-                        found->second.insert(found->second.end(), in->second.begin(), in->second.end());
-        return found->second;
+        return glm::dvec3(mesh.positions[vertex]) * scale_;
     }
 
-    const scene::Mesh& mesh_;
+    // Keeps the four largest weights, in falling order.
+    static void add(Blend& blend, int& count, std::uint32_t triangle, float weight)
+    {
+        if (!(weight > 0)) return;
+        int i = std::min(count, k_most - 1);
+        if (count == k_most && !(weight > blend.weight[i])) return;
+        for (; i > 0 && weight > blend.weight[i - 1]; --i)
+            blend.weight[i] = blend.weight[i - 1], blend.triangle[i] = blend.triangle[i - 1];
+        blend.weight[i] = weight, blend.triangle[i] = triangle;
+        count = std::min(count + 1, k_most);
+    }
+
     double scale_;
-    std::unordered_map<Cube, std::vector<Representative>, CubeHash> in_cube_, around_;
+    std::unordered_map<Cube, std::vector<Representative>, CubeHash> in_cube_;
 };
 
-}   // namespace
+ClusterBlends::ClusterBlends(const scene::Mesh& mesh, int level, const std::vector<std::uint32_t>& representatives)
+    : cubes_(std::make_unique<Cubes>(mesh, std::ldexp(1.0, -level), representatives)),
+      apart_(mesh.triangles.size()),
+      blends_(mesh.positions.size()),
+      states_(mesh.positions.size())
+{
+    // Find which side of the triangles the vertex normals are on.
+    std::size_t behind = 0;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+        const glm::uvec3 index = mesh.triangles[t];
+        const glm::vec3 a = mesh.positions[index[0]], b = mesh.positions[index[1]], c = mesh.positions[index[2]];
+        const glm::vec3 n = mesh.normals[index[0]] + mesh.normals[index[1]] + mesh.normals[index[2]];
+        apart_[t] = glm::dot(glm::cross(b - a, c - a), n) < 0;
+        behind += apart_[t] ? 1 : 0;
+    }
+    if (2 * behind > mesh.triangles.size()) apart_.flip();
+}
+
+ClusterBlends::~ClusterBlends() = default;
+
+ClusterBlends::Blend ClusterBlends::of_vertex(const scene::Mesh& mesh, std::uint32_t vertex) const
+{
+    std::atomic<std::uint8_t>& state = states_[vertex];
+    if (state.load(std::memory_order_acquire) == made) return blends_[vertex];
+    const Blend blend = cubes_->at_vertex(mesh, vertex);
+    // One of those who made it keeps it.
+    std::uint8_t expected = unknown;
+    if (state.compare_exchange_strong(expected, being_made, std::memory_order_relaxed)) {
+        blends_[vertex] = blend;
+        state.store(made, std::memory_order_release);
+    }
+    return blend;
+}
+
+std::size_t ClusterBlends::bytes() const
+{
+    return blends_.size() * (sizeof(Blend) + 1) + apart_.size() / 8;
+}
 
 const std::vector<std::uint32_t>& TriangleClusters::representatives(scene::MeshId id, const scene::Mesh& mesh,
                                                                     int level)
@@ -176,25 +209,7 @@ const ClusterBlends& TriangleClusters::blends(scene::MeshId id, const scene::Mes
 {
     const std::lock_guard lock(mutex_);
     auto& made = blends_[{id, level}];
-    if (made) return *made;
-    auto blends = std::make_unique<ClusterBlends>();
-    // Find which side of the triangles the vertex normals are on.
-    blends->apart.resize(mesh.triangles.size());
-    std::size_t behind = 0;
-    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-        const glm::uvec3 index = mesh.triangles[t];
-        const glm::vec3 a = mesh.positions[index[0]], b = mesh.positions[index[1]], c = mesh.positions[index[2]];
-        const glm::vec3 n = mesh.normals[index[0]] + mesh.normals[index[1]] + mesh.normals[index[2]];
-        blends->apart[t] = glm::dot(glm::cross(b - a, c - a), n) < 0;
-        behind += blends->apart[t] ? 1 : 0;
-    }
-    if (2 * behind > mesh.triangles.size()) blends->apart.flip();
-
-    Blender blender(mesh, std::ldexp(1.0, -level));
-    blender.sort(representatives_locked(id, mesh, level));
-    blends->of_vertex.reserve(mesh.positions.size());
-    for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) blends->of_vertex.push_back(blender.at_vertex(v));
-    made = std::move(blends);
+    if (!made) made = std::make_unique<ClusterBlends>(mesh, level, representatives_locked(id, mesh, level));
     return *made;
 }
 
@@ -205,7 +220,7 @@ std::size_t TriangleClusters::bytes() const
     for (const auto& [key, made] : made_)
         if (made) sum += made->size() * sizeof(std::uint32_t);
     for (const auto& [key, made] : blends_)
-        if (made) sum += made->of_vertex.size() * sizeof(ClusterBlends::Blend) + made->apart.size() / 8;
+        if (made) sum += made->bytes();
     return sum;
 }
 
