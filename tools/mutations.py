@@ -920,7 +920,7 @@ MUTATIONS = (
         "property:MovingLight.*"),
     row("moving-clusters-apart", "irradiance_cache", "small triangles of what moves take the light of one cluster each",
         "src/irradiance_cache/points/parts.cpp",
-        "if (!smooth || !(in_mesh > 0) || !std::isfinite(in_mesh))", "if (smooth || !(in_mesh > 0) || !std::isfinite(in_mesh))",
+        "if (!smooth || point.x < 0 || ", "if (smooth || point.x < 0 || ",
         "property:MovingLight.OnASmoothBallOfSmallTrianglesIsSmooth"),
     row("degenerate-for-good", "irradiance_cache", "a part of a triangle that deforms is not placed again once it has no area",
         "src/irradiance_cache/points/placement.cpp",
