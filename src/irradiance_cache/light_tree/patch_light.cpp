@@ -216,7 +216,7 @@ void PatchLight::receive(std::span<const glm::vec3> irradiance, Tasks& tasks)
     const std::size_t count = area_.size();
     received_.resize(count), received_flux_.resize(count);
     for (std::size_t p = 0; p < count; ++p) received_[p] = albedo_[p] * irradiance[p];
-    const std::vector<glm::vec3> bounced = bounces() ? bounce_now(received_, tasks) : std::vector<glm::vec3>(count);
+    const std::vector<glm::vec3> bounced = bounce_now(received_, tasks);
     for (std::size_t p = 0; p < count; ++p) {
         received_flux_[p] = area_[p] * (received_[p] + bounced[p]);
         if (sweeps() > 1) received_[p] += bounced[p];

@@ -79,7 +79,7 @@ class PatchLight {
     void light_past(const scene::SceneState& state, const ray::RayScene& rays,
                     std::span<const patches::BoundingSphere> spheres, std::span<const glm::vec3> lost, Tasks& tasks);
     /// Finds what dynamic objects reflect to the patches, and how it bounces. Call after light_past().
-    /// @param irradiance  by patch; empty: none
+    /// @param irradiance  by patch; empty: none, as if light bounces once
     void receive(std::span<const glm::vec3> irradiance, Tasks& tasks);
     /// Adds what was received, times a factor by colour, to the light of this frame.
     void add_received(const glm::vec3& factor);

@@ -6,8 +6,8 @@
 // largest triangle of each cluster represents it. Clusters depend on the mesh and on the cubes' size, a power of two.
 //
 // On smooth meshes that move, each vertex blends the representatives around it, so that light has no facets.
-// Cost: O(triangles) for each mesh and size, at the first use. Blends: 33 bytes a vertex, and some 50 representatives
-// that are looked at for each vertex that is seen.
+// Cost: O(triangles) for each mesh and size, at the first use. Blends: 33 bytes a vertex, and a look into 27 cubes for
+// each vertex that is seen.
 
 #include <atomic>
 #include <cstdint>
