@@ -14,6 +14,9 @@ struct CacheOptions {
     // Spacing of cache points on the screen, in pixels: the first where neighbours can be interpolated, down to the
     // second where they are separated by corners.
     float widest = 24, narrowest = 12;
+    // Replaces the second where small triangles stand for a surface that curves.
+    float narrowest_of_curve = 6;
+
     float level_blend = 0.3f;      // fraction of a level of detail over which it fades into the next
     float pixels_per_part = 6;     // size of small triangles of dynamic objects that are not divided, and of clusters
     float pixels_per_corner = 8;   // spacing of points on larger ones

@@ -22,6 +22,17 @@ float shortest_altitude(const glm::vec3 (&p)[3])
 
 }   // namespace
 
+glm::vec3 smooth_normal(const ObjectGeometry& geometry, std::uint32_t triangle, float w, float u, float v,
+                        const glm::vec3& normal)
+{
+    if (!geometry.normals) return normal;
+    const glm::uvec3 index = geometry.mesh->triangles[triangle];
+    glm::vec3 n = w * geometry.normals[index[0]] + u * geometry.normals[index[1]] + v * geometry.normals[index[2]];
+    if (geometry.normal_to_world) n = *geometry.normal_to_world * n;
+    if (glm::dot(n, normal) < 0) n = -n;
+    return glm::dot(n, n) > 0 ? glm::normalize(n) : normal;
+}
+
 glm::vec3 smooth_lift(const ObjectGeometry& geometry, std::uint32_t triangle, float u, float v, const glm::vec3& normal)
 {
     glm::vec3 lift(0);

@@ -19,6 +19,11 @@ inline glm::vec3 smooth_horizon(const glm::vec3& geometric, const glm::vec3& smo
     return glm::dot(smooth, geometric) > k_least_cosine ? smooth : geometric;
 }
 
+/// The interpolated normal, unit, on the side of the triangle's. That is returned where there is none.
+/// @param w, u, v  barycentric coordinates
+glm::vec3 smooth_normal(const ObjectGeometry& geometry, std::uint32_t triangle, float w, float u, float v,
+                        const glm::vec3& normal);
+
 /// From a point of a triangle to the smooth surface above it; 0 where that is not above. @param normal  the triangle's,
 /// on the side that counts
 glm::vec3 smooth_lift(const ObjectGeometry& geometry, std::uint32_t triangle, float u, float v,

@@ -83,6 +83,18 @@ struct CachePoint {
     }
 };
 
+/// Whether those points of a lattice cell that exist have one normal.
+inline bool have_one_normal(const CachePoint* const (&points)[4])
+{
+    const CachePoint* first = nullptr;
+    for (const CachePoint* point : points) {
+        if (!point->exists) continue;
+        if (!first) first = point;
+        if (point->normal != first->normal) return false;
+    }
+    return true;
+}
+
 /// What the near fields of a lattice cell's points bring, by colour, and the form factor of their surfaces.
 /// @param weights  of the points
 /// @param all      their sum, above 0

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "irradiance_cache/points/parts.h"
+#include "ray/smooth_surface.h"
 
 namespace gnomon::irradiance_cache {
 
@@ -27,6 +28,12 @@ constexpr float k_deep = 0.06f;
 // a curtain or along the mouldings of a cornice, light changes as often as the surface rises and falls, and what is
 // seen are the crests.
 constexpr float k_even = 0.01f, k_uneven = 0.02f;
+// Where a surface curves evenly, its light is that between its cache points as long as their normals turn little from
+// the surface point's: up to the first cosine. Beyond the second, a level contributes nothing, and finer ones follow,
+// unless so little of the bilinear weight contributes that these would lack cache points, too.
+constexpr float k_turns_little = 0.95f, k_turns = 0.9f, k_together = 0.6f, k_apart = 0.4f;
+// The mean of their normals turns less, or there are cache points on one side only, and light is extrapolated.
+constexpr float k_beside_little = 0.995f, k_beside = 0.98f;
 // The sky's light of a level's cache points differs: by how much each differs from their mean at the surface point, on
 // average and as a fraction of all light there. The next finer level begins to take the place of this one beyond the
 // first, and has it from the second on.
@@ -81,7 +88,10 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
             }
         }
         // Fade the widest level in and the finest one out.
-        const float narrowest = frame.options.narrowest * point.width;
+        const Unevenness uneven = unevenness(frame, work.cells[request.cell], point, k);
+        const CacheOptions& options = frame.options;
+        const float narrowest =
+            (options.narrowest + uneven.curves * (options.narrowest_of_curve - options.narrowest)) * point.width;
         const float finest = frame.fade_in(2 * spacing / narrowest - 1);
         float weight = frame.fade_in(frame.options.widest * point.width / spacing - 1) * finest;
         weight *= std::clamp((light_.weight[k] - k_least_weight) / (k_full_weight - k_least_weight), 0.0f, 1.0f);
@@ -90,7 +100,7 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
         // spacing.
         weight *= 1 - steep_[k];
         // Leave to the next level, too, what is less even than the spacing can show.
-        weight *= 1 - unevenness(frame, work.cells[request.cell], point);
+        weight *= 1 - uneven.fraction;
         // Leave to the next level of the lattice, if there is one, what differs too much between the points of this
         // one.
         weight *= 1 - difference(work.cells[request.cell], light_, k) * frame.fade_in(spacing / narrowest - 1);
@@ -151,27 +161,53 @@ Arriving Interpolator::around_part(const CacheFrame& frame, const IndirectPoint&
 }
 
 // How much of a surface point's light a cell cannot show, 0 to 1, because the surface rises and falls in between.
-float Interpolator::unevenness(const CacheFrame& frame, const CollectedCell& cell, const IndirectPoint& point)
+Interpolator::Unevenness Interpolator::unevenness(const CacheFrame& frame, const CollectedCell& cell,
+                                                  const IndirectPoint& point, std::size_t k) const
 {
     const float spacing = spacing_of(cell.level);
     const CellAnchors& anchors = cell.anchors;
     const glm::vec3 &p = point.position, &n = point.geometric_normal;
-    float most = 0;
+    const auto fraction = [&](float height) {
+        return std::clamp((height / spacing - k_even) / (k_uneven - k_even), 0.0f, 1.0f);
+    };
+    float height[4], most = 0;
     for (int i = 0; i < 4; ++i) {
-        const float height =
-            std::abs((anchors.x[i] - p.x) * n.x + (anchors.y[i] - p.y) * n.y + (anchors.z[i] - p.z) * n.z);
+        height[i] = std::abs((anchors.x[i] - p.x) * n.x + (anchors.y[i] - p.y) * n.y + (anchors.z[i] - p.z) * n.z);
         const glm::vec3 normal(anchors.nx[i], anchors.ny[i], anchors.nz[i]);
-        if (height < k_plane_distance * spacing && glm::dot(normal, point.normal) > k_facing)
-            most = std::max(most, height);
+        if (!(height[i] < k_plane_distance * spacing && glm::dot(normal, point.normal) > k_facing)) height[i] = 0;
+        most = std::max(most, height[i]);
     }
-    const float uneven = std::clamp((most / spacing - k_even) / (k_uneven - k_even), 0.0f, 1.0f);
-    if (!(uneven > 0)) return 0;
+    if (!(fraction(most) > 0)) return {};
+    const ray::ObjectGeometry& geometry = frame.rays->geometry(point.object);
     glm::vec3 corner[3];
-    frame.rays->geometry(point.object).corners(point.triangle, corner);
+    geometry.corners(point.triangle, corner);
     const float longest = std::max(
         {glm::length(corner[1] - corner[0]), glm::length(corner[2] - corner[1]), glm::length(corner[0] - corner[2])});
     const float low = glm::length(glm::cross(corner[1] - corner[0], corner[2] - corner[0])) / longest;
-    return low < spacing ? uneven * frame.fade_in(spacing / low - 1) : 0;
+    if (!(low < spacing)) return {};
+    // A surface that curves evenly rises as far as its normals turn: a chord is at right angles to their mean.
+    const glm::vec3 smooth = ray::smooth_normal(geometry, point.triangle, 1 - point.u - point.v, point.u, point.v, n);
+    glm::vec3 between(0);
+    for (int i = 0; i < 4; ++i)
+        between += light_.weight_of[i][k] * glm::vec3(anchors.nx[i], anchors.ny[i], anchors.nz[i]);
+    const float length = glm::length(between);
+    const auto beyond = [](float cosine, float from, float to) {
+        return std::clamp((from - cosine) / (from - to), 0.0f, 1.0f);
+    };
+    const float turns = length > 0 ? beyond(glm::dot(smooth, between) / length, k_beside_little, k_beside) : 1.0f;
+    float rises = 0, most_from_curve = 0;
+    for (int i = 0; i < 4; ++i) {
+        if (!(height[i] > 0)) continue;
+        const glm::vec3 normal(anchors.nx[i], anchors.ny[i], anchors.nz[i]), mean = smooth + normal;
+        const glm::vec3 chord = glm::vec3(anchors.x[i], anchors.y[i], anchors.z[i]) - p;
+        const float from_curve = std::min(std::abs(glm::dot(chord, mean)) / glm::length(mean), height[i]);
+        const float own = std::max(turns, beyond(glm::dot(smooth, normal), k_turns_little, k_turns));
+        most_from_curve = std::max(most_from_curve, from_curve);
+        rises = std::max(rises, from_curve + own * (height[i] - from_curve));
+    }
+    const float uneven = fraction(rises) * frame.fade_in(spacing / low - 1);
+    const float curves = std::max(1 - 4 * fraction(most_from_curve), 0.0f);
+    return {uneven, uneven * curves * (1 - beyond(light_.weight[k], k_together, k_apart))};
 }
 
 // How much the sky's light of a cell's points differs at a surface point, 0 to 1. It is that without dynamic objects,
@@ -286,6 +322,7 @@ void Interpolator::gather_anchors(BatchWork& work)
                 for (int axis = 0; axis < 3; ++axis) cell.light[3 * colour + axis][i] = from.light[colour][axis];
             for (int axis = 0; axis < 3; ++axis) cell.facing[axis][i] = from.facing[axis];
         }
+        cell.one_normal = have_one_normal(collected.point);
     }
 }
 
@@ -345,16 +382,15 @@ void Interpolator::find_hidden(const CacheFrame& frame, std::span<const Indirect
     }
 }
 
-// How a surface point's normal differs from that between its parts, as by a normal map. Each part has the light of its
-// own normal: towards a surface point that is turned away, it would lack what comes from below its horizon.
-// @param first  of the point's parts, which follow one another
-glm::vec3 Interpolator::turn_from_parts(const IndirectPoint& point, const BatchWork& work, std::size_t first)
+// The mean of the normals of a surface point's parts, by weight.
+// @param first  of these parts, which follow one another
+glm::vec3 Interpolator::mean_normal(const IndirectPoint& point, const BatchWork& work, std::size_t first)
 {
-    glm::vec3 mean(0);
+    glm::vec3 sum(0);
     for (std::size_t k = first; k < work.parts.size() && work.parts[k].point == work.parts[first].point; ++k)
-        mean += work.parts[k].weight * work.parts[k].part->normal;
-    const float length = glm::length(mean);
-    return length > 0 ? point.normal - mean / length : glm::vec3(0);
+        sum += work.parts[k].weight * work.parts[k].part->normal;
+    const float length = glm::length(sum);
+    return length > 0 ? sum / length : point.normal;
 }
 
 void Interpolator::blend_parts(const CacheFrame& frame, std::span<const IndirectPoint> points, PartsAre are,
@@ -365,7 +401,7 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
         return points[request.point].of_many && !work.dynamic[request.point];
     };
     if (are == PartsAre::far || are == PartsAre::finer) find_hidden(frame, points, work, counters);
-    glm::vec3 turn(0);   // of a surface point
+    glm::vec3 mean(0);   // normal of a surface point's parts
     for (std::size_t k = 0; k < work.parts.size(); ++k) {
         const PartRequest& request = work.parts[k];
         const IndirectPoint& point = points[request.point];
@@ -374,8 +410,8 @@ void Interpolator::blend_parts(const CacheFrame& frame, std::span<const Indirect
             continue;
         }
         const bool between = are == PartsAre::far && work.dynamic[request.point];
-        if (between && (k == 0 || work.parts[k - 1].point != request.point)) turn = turn_from_parts(point, work, k);
-        const glm::vec3 normal = between ? request.part->normal + turn : point.normal;
+        if (between && (k == 0 || work.parts[k - 1].point != request.point)) mean = mean_normal(point, work, k);
+        const glm::vec3 normal = between ? halfway_normal(request.part->normal, mean, point.normal) : point.normal;
         glm::vec3 light = request.part->irradiance(normal);
         // Take finer parts where geometry covers the centre of a part or hides it from the surface point, or where it
         // is dark, so that no black dot appears; of a mean, once. The part around a pixel beside a seam may lie beyond

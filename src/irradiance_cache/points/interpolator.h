@@ -45,8 +45,13 @@ class Interpolator {
     static Arriving around_part(const CacheFrame& frame, const IndirectPoint& point, const PartRequest& request,
                                 BatchWork& work);
     static float difference(const CollectedCell& cell, const LatticeLight& light, std::size_t k);
-    static float unevenness(const CacheFrame& frame, const CollectedCell& cell, const IndirectPoint& point);
-    static glm::vec3 turn_from_parts(const IndirectPoint& point, const BatchWork& work, std::size_t first);
+    struct Unevenness {
+        float fraction = 0;
+        float curves = 0;   // evenly, so that finer levels show it
+    };
+    Unevenness unevenness(const CacheFrame& frame, const CollectedCell& cell, const IndirectPoint& point,
+                          std::size_t k) const;
+    static glm::vec3 mean_normal(const IndirectPoint& point, const BatchWork& work, std::size_t first);
     static glm::vec4 near_at(const CollectedCell& cell, const LatticeLight& light, std::size_t k);
     static Arriving without_near(const CollectedCell& cell, const LatticeLight& light, std::size_t k);
     Arriving fallback(const BatchWork& work, std::size_t request);

@@ -36,7 +36,7 @@ void interpolate_cell_of(const CellAnchors& cell, const LatticeReach& reach, con
         const auto b = hn::LoadU(d, at_b + k), c = hn::LoadU(d, at_c + k);
         const auto gx1 = hn::Sub(one, fx), fy1 = hn::Sub(one, fy);
         const V between[4] = {hn::Mul(gx1, fy1), hn::Mul(fx, fy1), hn::Mul(gx1, fy), hn::Mul(fx, fy)};
-        V w[4], red[4], green[4], blue[4], form_factor[4];
+        V w[4];
         for (int i = 0; i < 4; ++i) {
             const auto off = hn::Mul(hn::Add(hn::Add(hn::Mul(hn::Sub(hn::Set(d, cell.x[i]), x), gx),
                                                      hn::Mul(hn::Sub(hn::Set(d, cell.y[i]), y), gy)),
@@ -64,19 +64,45 @@ void interpolate_cell_of(const CellAnchors& cell, const LatticeReach& reach, con
                                           hn::And(low(c, cell.low_c[i], 2, db), high(c, cell.high_c[i], 3, db)));
                 weight = hn::IfThenElseZero(open, weight);
             }
-            const auto of = [&](const float(*vector)[4]) HWY_ATTR {
-                const auto value =
-                    hn::Add(hn::Add(hn::Mul(hn::Set(d, vector[0][i]), nx), hn::Mul(hn::Set(d, vector[1][i]), ny)),
-                            hn::Mul(hn::Set(d, vector[2][i]), nz));
-                return hn::Mul(weight, hn::Max(value, zero));
-            };
-            w[i] = weight, red[i] = of(cell.light), green[i] = of(cell.light + 3), blue[i] = of(cell.light + 6);
-            form_factor[i] = of(cell.facing);
+            w[i] = weight;
         }
         const auto sum = [](const V(&v)[4]) HWY_ATTR { return hn::Add(hn::Add(v[0], v[1]), hn::Add(v[2], v[3])); };
         const auto weight = sum(w);
         const auto any = hn::Gt(weight, zero);
         const auto safe = hn::IfThenElse(any, weight, one);
+        // Find the mean of the cache points' normals, and by how much the surface points' differ from it.
+        V mean_x = zero, mean_y = zero, mean_z = zero, turn_x = zero, turn_y = zero, turn_z = zero;
+        if (!cell.one_normal) {
+            const auto between_normals = [&](const float(&n)[4]) HWY_ATTR {
+                return hn::Add(hn::Add(hn::Mul(w[0], hn::Set(d, n[0])), hn::Mul(w[1], hn::Set(d, n[1]))),
+                               hn::Add(hn::Mul(w[2], hn::Set(d, n[2])), hn::Mul(w[3], hn::Set(d, n[3]))));
+            };
+            const auto sx = between_normals(cell.nx), sy = between_normals(cell.ny), sz = between_normals(cell.nz);
+            const auto length = hn::Sqrt(hn::Add(hn::Add(hn::Mul(sx, sx), hn::Mul(sy, sy)), hn::Mul(sz, sz)));
+            const auto divisor = hn::IfThenElse(hn::Gt(length, zero), length, one);
+            mean_x = hn::Div(sx, divisor), mean_y = hn::Div(sy, divisor), mean_z = hn::Div(sz, divisor);
+            turn_x = hn::Sub(nx, mean_x), turn_y = hn::Sub(ny, mean_y), turn_z = hn::Sub(nz, mean_z);
+        }
+        V red[4], green[4], blue[4], form_factor[4];
+        for (int i = 0; i < 4; ++i) {
+            V tx = nx, ty = ny, tz = nz;
+            if (!cell.one_normal) {   // half-way (halfway_normal())
+                const auto ax = hn::Set(d, cell.nx[i]), ay = hn::Set(d, cell.ny[i]), az = hn::Set(d, cell.nz[i]);
+                const auto cosine = hn::Add(hn::Add(hn::Mul(ax, mean_x), hn::Mul(ay, mean_y)), hn::Mul(az, mean_z));
+                const auto both = hn::Add(one, cosine);
+                tx = hn::Div(hn::Add(hn::Add(ax, turn_x), nx), both);
+                ty = hn::Div(hn::Add(hn::Add(ay, turn_y), ny), both);
+                tz = hn::Div(hn::Add(hn::Add(az, turn_z), nz), both);
+            }
+            const auto of = [&](const float(*vector)[4]) HWY_ATTR {
+                const auto value =
+                    hn::Add(hn::Add(hn::Mul(hn::Set(d, vector[0][i]), tx), hn::Mul(hn::Set(d, vector[1][i]), ty)),
+                            hn::Mul(hn::Set(d, vector[2][i]), tz));
+                return hn::Mul(w[i], hn::Max(value, zero));
+            };
+            red[i] = of(cell.light), green[i] = of(cell.light + 3), blue[i] = of(cell.light + 6);
+            form_factor[i] = of(cell.facing);
+        }
         hn::StoreU(weight, d, out.weight.data() + k);
         for (int i = 0; i < 4; ++i) hn::StoreU(w[i], d, out.weight_of[i].data() + k);
         hn::StoreU(hn::IfThenElseZero(any, hn::Div(sum(form_factor), safe)), d, out.form_factor.data() + k);

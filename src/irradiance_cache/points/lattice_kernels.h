@@ -5,6 +5,7 @@
 // on how many are computed together.
 
 #include <cstddef>
+#include <glm/glm.hpp>
 #include <vector>
 
 namespace gnomon::irradiance_cache {
@@ -18,6 +19,8 @@ struct CellAnchors {
     float slope[4][4];    // by range and point
     float light[9][4];    // by colour and axis
     float facing[3][4];   // by axis
+    // Whether all have one normal. Otherwise each gives its light for a normal half-way to the surface point's.
+    bool one_normal;
     int axis;
 };
 
@@ -44,6 +47,18 @@ struct LatticeReach {
     float facing;     // cosine between the normals: no weight below
     bool open_only;   // only within the free ranges
 };
+
+/// The normal for which a cache point of a curved surface gives its light to a surface point: half-way between its own
+/// and the surface point's, which a normal map may turn from the mean of those between which the point lies. For the
+/// surface point's own, it would lack what comes from below its horizon; for its own, light would change along a
+/// straight line between cache points. Half-way the two errors cancel: light that is a quadratic function of the
+/// normal's angle is exact. Of such a length that along its own normal a cache point gives all its light.
+/// @param own   unit
+/// @param mean  unit: of these, by weight
+inline glm::vec3 halfway_normal(const glm::vec3& own, const glm::vec3& mean, const glm::vec3& normal)
+{
+    return (own + (normal - mean) + normal) / (1 + (own.x * mean.x + own.y * mean.y + own.z * mean.z));
+}
 
 /// Fills light[first ... first + count) for the points there, all of one cell. May write up to k_pad - 1 beyond.
 void interpolate_cell(const CellAnchors& cell, const LatticeReach& reach, const LatticePoints& points,

@@ -26,18 +26,6 @@ void closest_alone(const ray::RayScene& rays, const ray::RayQueue& queue, ray::H
         rays.closest(queue, i, i + 1, hits, sides, ray::Against::static_only);
 }
 
-// The shading normal at barycentric coordinates, on the side of the geometric normal.
-glm::vec3 shading_normal(const ray::ObjectGeometry& geometry, std::uint32_t triangle, float w, float u, float v,
-                         const glm::vec3& normal)
-{
-    if (!geometry.normals) return normal;
-    const glm::uvec3 index = geometry.mesh->triangles[triangle];
-    glm::vec3 n = w * geometry.normals[index[0]] + u * geometry.normals[index[1]] + v * geometry.normals[index[2]];
-    if (geometry.normal_to_world) n = *geometry.normal_to_world * n;
-    if (glm::dot(n, normal) < 0) n = -n;
-    return glm::dot(n, n) > 0 ? glm::normalize(n) : normal;
-}
-
 // How much shorter a free distance gets per unit along the lattice's other axis, from the plane of the triangle that
 // ends it.
 float slope_of_end(const CacheFrame& frame, const CachePoint& point, int way, scene::ObjectId object,
@@ -95,7 +83,8 @@ float place_part(const CacheFrame& frame, CachePoint& point)
     point.position = w * p[0] + uv.x * p[1] + uv.y * p[2];
     point.lift = ray::origin_lift(p);
     point.geometric_normal = normal;
-    point.normal = shading_normal(geometry, triangle, 1 - at_normal.x - at_normal.y, at_normal.x, at_normal.y, normal);
+    point.normal =
+        ray::smooth_normal(geometry, triangle, 1 - at_normal.x - at_normal.y, at_normal.x, at_normal.y, normal);
     point.horizon = ray::smooth_horizon(normal, point.normal);
     point.smooth_lift = ray::smooth_lift(geometry, triangle, uv.x, uv.y, normal);
     return size;
@@ -180,7 +169,7 @@ bool PointPlacer::accept_hit(const CacheFrame& frame, Search& search, std::size_
     point.position = w * p[0] + u * p[1] + v * p[2];
     point.lift = ray::origin_lift(p);
     point.geometric_normal = normal;
-    point.normal = shading_normal(geometry, triangle, w, u, v, normal);
+    point.normal = ray::smooth_normal(geometry, triangle, w, u, v, normal);
     point.horizon = ray::smooth_horizon(normal, point.normal);
     point.smooth_lift = ray::smooth_lift(geometry, triangle, u, v, normal);
     search.best = from_middle;

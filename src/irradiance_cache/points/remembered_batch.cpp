@@ -2,12 +2,23 @@
 #include "irradiance_cache/points/remembered_batch.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "irradiance_cache/points/lattice_kernels.h"
 
 namespace gnomon::irradiance_cache {
 
 namespace {
 
 constexpr std::uint16_t k_none = 0xffff;
+
+// The mean of the normals of a cell's cache points, by weight.
+glm::vec3 mean_normal(const CachePoint* const (&from)[4], const RememberedBatch::Contribution& c)
+{
+    const glm::vec3 sum = (c.weight_of[0] * from[0]->normal + c.weight_of[1] * from[1]->normal) +
+                          (c.weight_of[2] * from[2]->normal + c.weight_of[3] * from[3]->normal);
+    return sum / std::sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z);
+}
 
 }   // namespace
 
@@ -19,11 +30,16 @@ void RememberedBatch::add_lattice(glm::vec3* irradiance, glm::vec4* near_known, 
         const CachePoint* const from[4] = {cached[cell.at[0]], cached[cell.at[1]], cached[cell.at[2]],
                                            cached[cell.at[3]]};
         // Surface points of a plane have one normal.
+        const bool one_normal = have_one_normal(from);
         glm::vec3 arrives[4] = {};
         std::size_t normal = normals.size();
         for (; next < cell.end; ++next) {
             const Contribution& c = contributions[next];
-            if (c.normal != normal) {
+            if (!one_normal) {
+                const glm::vec3 mean = mean_normal(from, c);
+                for (int i = 0; i < 4; ++i)
+                    arrives[i] = from[i]->irradiance(halfway_normal(from[i]->normal, mean, normals[c.normal]));
+            } else if (c.normal != normal) {
                 normal = c.normal;
                 for (int i = 0; i < 4; ++i) arrives[i] = from[i]->irradiance(normals[normal]);
             }
