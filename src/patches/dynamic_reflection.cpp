@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "base/interruption.h"
+#include "base/micro_triangles.h"
 #include "lighting/diffuse.h"
 #include "ray/light_through.h"
 #include "ray/origin.h"
@@ -117,7 +118,8 @@ DynamicReflection::Surface& DynamicReflection::surface_of(const scene::SceneStat
     return surface;
 }
 
-// Chooses places of an object at equal steps of its area at rest: on both sides, unless it is closed.
+// Chooses places of an object, on both sides unless it is closed: parts of triangles that are larger than two steps of
+// area at rest, and places on the others at equal steps.
 void DynamicReflection::choose_places(Surface& surface, std::size_t wanted)
 {
     if (surface.wanted == wanted) return;
@@ -125,18 +127,76 @@ void DynamicReflection::choose_places(Surface& surface, std::size_t wanted)
     surface.places.clear();
     const std::vector<double>& sums = surface.sums;
     const std::size_t sides = surface.closed ? 1 : 2, count = std::max<std::size_t>(wanted / sides, 1);
-    std::uint32_t t = 0;
+    const double step = surface.area / static_cast<double>(count);
+    const auto add = [&](Place place) {
+        for (std::size_t side = 0; side < sides; ++side) {
+            place.front = (side == 0) != surface.inside_out;
+            surface.places.push_back(place);
+        }
+    };
+    double small = 0, next = 0.5 * step;   // area of small triangles so far, and where the next place is
+    for (std::uint32_t t = 0; t < sums.size(); ++t) {
+        const double area = sums[t] - (t > 0 ? sums[t - 1] : 0);
+        if (area > 2 * step) {
+            const auto level = static_cast<std::uint32_t>(std::max(std::lround(0.5 * std::log2(area / step)), 1l));
+            for (std::uint32_t i = 0; i < 1u << (2 * level); ++i) {
+                glm::dvec2 corner[3];
+                corners_of(micro_at(i, level), level, corner);
+                const glm::vec2 middle((corner[0] + corner[1] + corner[2]) / 3.0);
+                add({t,
+                     middle.x,
+                     middle.y,
+                     std::exp2(-2.0f * static_cast<float>(level)),
+                     true,
+                     {glm::vec2(corner[1] - corner[0]), glm::vec2(corner[2] - corner[0])}});
+            }
+            continue;
+        }
+        for (small += area; next < small; next += step) {
+            const auto k = static_cast<double>(surface.places.size() / sides + 1);
+            double u = std::fmod(k * k_step_u, 1.0), v = std::fmod(k * k_step_v, 1.0);
+            if (u + v > 1) u = 1 - u, v = 1 - v;
+            add({t, static_cast<float>(u), static_cast<float>(v), static_cast<float>(step / area), true, {}});
+        }
+    }
+    if (surface.places.empty() && !sums.empty()) {   // small triangles, less than half a step in all
+        const auto largest =
+            static_cast<std::uint32_t>(std::ranges::find_if(sums, [](double sum) { return sum > 0; }) - sums.begin());
+        if (largest < sums.size()) {
+            const double area = sums[largest] - (largest > 0 ? sums[largest - 1] : 0);
+            add({largest, 1 / 3.0f, 1 / 3.0f, static_cast<float>(surface.area / area), true, {}});
+        }
+    }
+    find_neighbours(surface);
+}
+
+// Finds the nearest places at rest that face as a place does.
+void DynamicReflection::find_neighbours(Surface& surface)
+{
+    constexpr float k_facing = 0.85f;   // cosine
+    const std::size_t count = surface.places.size();
+    std::vector<glm::vec3> position(count), normal(count);
     for (std::size_t k = 0; k < count; ++k) {
-        const double at = surface.area * (static_cast<double>(k) + 0.5) / static_cast<double>(count);
-        while (t + 1 < sums.size() && sums[t] < at) ++t;
-        const double of_triangle = sums[t] - (t > 0 ? sums[t - 1] : 0);
-        double u = std::fmod(static_cast<double>(k + 1) * k_step_u, 1.0),
-               v = std::fmod(static_cast<double>(k + 1) * k_step_v, 1.0);
-        if (u + v > 1) u = 1 - u, v = 1 - v;
-        const auto share = static_cast<float>(surface.area / static_cast<double>(count) / of_triangle);
-        for (std::size_t side = 0; side < sides; ++side)
-            surface.places.push_back(
-                {t, static_cast<float>(u), static_cast<float>(v), share, (side == 0) != surface.inside_out});
+        const Place& place = surface.places[k];
+        const glm::uvec3 index = surface.mesh->triangles[place.triangle];
+        const glm::vec3 a = surface.mesh->positions[index.x], b = surface.mesh->positions[index.y] - a,
+                        c = surface.mesh->positions[index.z] - a, n = glm::cross(b, c);
+        position[k] = a + place.u * b + place.v * c;
+        if (glm::length(n) > 0) normal[k] = glm::normalize(place.front ? n : -n);
+    }
+    surface.neighbours.resize(count);
+    std::vector<std::pair<float, std::uint32_t>> near;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        near.clear();
+        for (std::uint32_t other = 0; other < count; ++other)
+            if (other != k && glm::dot(normal[k], normal[other]) > k_facing) {
+                const glm::vec3 way = position[other] - position[k];
+                near.emplace_back(glm::dot(way, way), other);
+            }
+        const std::size_t found = std::min(near.size(), k_neighbours);
+        std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(found), near.end());
+        surface.neighbours[k].fill(k);
+        for (std::size_t i = 0; i < found; ++i) surface.neighbours[k][i] = near[i].second;
     }
 }
 
@@ -165,11 +225,13 @@ std::vector<DynamicReflection::Chosen> DynamicReflection::choose_objects(std::ve
 }
 
 void DynamicReflection::add_places(const scene::SceneState& state, const ray::RayScene& rays, scene::ObjectId object,
-                                   const std::vector<Place>& places, float weight)
+                                   const Surface& surface, float weight)
 {
     const ray::ObjectGeometry& geometry = rays.geometry(object);
-    for (std::uint32_t k = 0; k < places.size(); ++k) {
-        const Place& place = places[k];
+    const auto first = static_cast<std::uint32_t>(reflectors_.size());
+    std::vector<std::uint32_t> reflector(surface.places.size(), scene::none);   // by place
+    for (std::uint32_t k = 0; k < surface.places.size(); ++k) {
+        const Place& place = surface.places[k];
         glm::vec3 p[3];
         geometry.corners(place.triangle, p);
         glm::vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
@@ -178,8 +240,16 @@ void DynamicReflection::add_places(const scene::SceneState& state, const ray::Ra
         normal /= length;
         if (place.front == geometry.mirrored) normal = -normal;
         const glm::vec3 position = (1 - place.u - place.v) * p[0] + place.u * p[1] + place.v * p[2];
-        reflectors_.push_back({object, position, normal, position + ray::origin_lift(p) * normal, glm::vec3(0),
-                               weight * place.share * static_cast<float>(area_of(p)), k});
+        const auto along = [&](const glm::vec2& side) { return side.x * (p[1] - p[0]) + side.y * (p[2] - p[0]); };
+        reflector[k] = static_cast<std::uint32_t>(reflectors_.size());
+        reflectors_.push_back({object,
+                               position,
+                               normal,
+                               position + ray::origin_lift(p) * normal,
+                               glm::vec3(0),
+                               weight * place.share * static_cast<float>(area_of(p)),
+                               k,
+                               {along(place.sides[0]), along(place.sides[1])}});
         const scene::Scene& scene = state.scene();
         const scene::Material& material = scene.materials[geometry.mesh->part_of(place.triangle).material];
         const float covered =
@@ -190,13 +260,37 @@ void DynamicReflection::add_places(const scene::SceneState& state, const ray::Ra
         reflected_.push_back(covered *
                              lighting::exitance_per_irradiance(scene, geometry, place.triangle, place.u, place.v));
     }
+    // A neighbour without area is none.
+    for (std::uint32_t r = first; r < reflectors_.size(); ++r) {
+        std::array<std::uint32_t, k_neighbours>& around = neighbours_.emplace_back();
+        for (std::size_t i = 0; i < k_neighbours; ++i) {
+            const std::uint32_t other = reflector[surface.neighbours[reflectors_[r].number][i]];
+            around[i] = other == scene::none ? r : other;
+        }
+    }
+}
+
+// Replaces the irradiance of each place by the mean over those around it.
+void DynamicReflection::smoothen()
+{
+    std::vector<glm::vec3> mean(reflectors_.size());
+    for (std::uint32_t k = 0; k < reflectors_.size(); ++k) {
+        float area = reflectors_[k].area;
+        glm::vec3 sum = area * irradiance_[k];
+        for (const std::uint32_t other : neighbours_[k]) {
+            if (other == k) continue;
+            sum += reflectors_[other].area * irradiance_[other], area += reflectors_[other].area;
+        }
+        mean[k] = area > 0 ? sum / area : irradiance_[k];
+    }
+    irradiance_.swap(mean);
 }
 
 std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
     const scene::SceneState& state, const ray::RayScene& rays, std::span<const std::vector<scene::ObjectId>> groups,
     const Light& light, Tasks& tasks)
 {
-    reflectors_.clear(), albedo_.clear(), reflected_.clear(), order_.clear(), patch_links_.clear();
+    reflectors_.clear(), albedo_.clear(), reflected_.clear(), neighbours_.clear(), order_.clear(), patch_links_.clear();
     if (groups.empty() ||
         (light.exitance.empty() && !light.surroundings.any() && light.emission.empty() && light.further == 0))
         return {};
@@ -225,7 +319,7 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
         if (areas.size() > k_places_in_all) {
             for (const Chosen& one : choose_objects(std::move(areas), all)) {
                 choose_places(surfaces_[one.object], one.places);
-                add_places(state, rays, one.object, surfaces_[one.object].places, static_cast<float>(one.weight));
+                add_places(state, rays, one.object, surfaces_[one.object], static_cast<float>(one.weight));
             }
             continue;
         }
@@ -234,7 +328,7 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
             Surface& surface = surfaces_[o];
             const double wanted = std::round(area / all * static_cast<double>(of_group));
             choose_places(surface, std::max<std::size_t>(static_cast<std::size_t>(wanted), 1));
-            add_places(state, rays, o, surface.places, 1);
+            add_places(state, rays, o, surface, 1);
         }
     }
     first_of_group_.push_back(static_cast<std::uint32_t>(reflectors_.size()));
@@ -245,6 +339,7 @@ std::vector<DynamicReflection::Reflector> DynamicReflection::gather(
     light_by_patches(state, rays, light, tasks);
     light_by_spots(rays, light.surroundings);
     light_by_emission(rays, light);
+    smoothen();
     if (!links_.empty()) {
         light_by_points(state, rays);
         bounce_between(irradiance_, of_points_, light.further);

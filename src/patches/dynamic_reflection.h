@@ -3,19 +3,21 @@
 // The light that dynamic objects reflect of what has no light map: emissive surfaces, what lies beyond the scene, and
 // light that has bounced off the patches of the static scene.
 //
-// Some places of the objects that move together, at equal steps of area, stand for their surface. In a frame in which
+// Some places of the objects that move together stand for their surface: parts of equal size of large triangles, and
+// places of small ones at equal steps of area. In a frame in which
 // anything moves, each casts 8 rays, and up to four more to the brightest parts of an environment image; one that
 // leaves the scene brings the light of the sky or of the image, one that ends on a patch what that patch reflects, and
 // one that ends on a dynamic object what the nearest place there reflects, of lights without size as well; light
 // bounces on between the places until a bounce brings less than a thousandth. Surfaces that thin light reflect by their
 // alpha; no rays end on them. Emissive surfaces add their closed form where one ray past everything reaches them, at
-// another of their places for each place. Light that bounces from a dynamic object to a patch and back is found apart,
-// by the same rays (again()).
+// another of their places for each place. What so few rays find is the mean of a place and the eight around it. Light
+// that bounces from a dynamic object to a patch and back is found apart, by the same rays (again()).
 //
 // The result is a function of the present state. Cost: 8 rays and one for each light, for each place, of
 // which there are 1,024 of all objects, but at least 8 of those that move together, and one of each object. Of more
 // than 1,024 objects that move together, 1,024 at most stand for all.
 
+#include <array>
 #include <vector>
 
 #include "base/tasks.h"
@@ -36,6 +38,7 @@ class DynamicReflection {
         glm::vec3 flux{0};     // radiant exitance times area
         float area = 0;
         std::uint32_t number = 0;   // among those of its object
+        glm::vec3 side[2]{};        // of the triangle around the position that it is; 0: it is of no known shape
     };
     /// What lights the objects.
     struct Light {
@@ -75,11 +78,13 @@ class DynamicReflection {
     void forget() { surfaces_.clear(); }
 
  private:
+    static constexpr std::size_t k_neighbours = 8;
     struct Place {
         std::uint32_t triangle = 0;
         float u = 0, v = 0;
         float share = 0;   // of the triangle's area, that it stands for
         bool front = true;
+        glm::vec2 sides[2]{};   // barycentric coordinates along two sides of the part that it is; 0: it is none
     };
     // What is kept of an object.
     struct Surface {
@@ -90,11 +95,14 @@ class DynamicReflection {
         std::vector<double> sums;   // of these areas, by triangle
         std::size_t wanted = 0;     // places
         std::vector<Place> places;
+        std::vector<std::array<std::uint32_t, k_neighbours>> neighbours;   // by place; a place's own number: none
     };
     Surface& surface_of(const scene::SceneState& state, const ray::RayScene& rays, scene::ObjectId object);
     static void choose_places(Surface& surface, std::size_t wanted);
+    static void find_neighbours(Surface& surface);
     void add_places(const scene::SceneState& state, const ray::RayScene& rays, scene::ObjectId object,
-                    const std::vector<Place>& places, float weight);
+                    const Surface& surface, float weight);
+    void smoothen();
     struct Run;
     void light_by_patches(const scene::SceneState& state, const ray::RayScene& rays, const Light& light, Tasks& tasks);
     void light_run(const scene::SceneState& state, const ray::RayScene& rays, const Light& light, std::size_t first,
@@ -107,10 +115,11 @@ class DynamicReflection {
 
     std::vector<Surface> surfaces_;   // by object
     std::vector<Reflector> reflectors_;
-    std::vector<std::uint32_t> order_;             // of the last gather()'s result
-    std::vector<glm::vec3> irradiance_, albedo_;   // by reflector
-    std::vector<glm::vec3> reflected_;             // exitance by irradiance of lights without size, likewise
-    std::vector<glm::vec3> of_points_;             // exitance by lights without size
+    std::vector<std::uint32_t> order_;                                  // of the last gather()'s result
+    std::vector<glm::vec3> irradiance_, albedo_;                        // by reflector
+    std::vector<std::array<std::uint32_t, k_neighbours>> neighbours_;   // likewise: others, or its own number
+    std::vector<glm::vec3> reflected_;   // exitance by irradiance of lights without size, likewise
+    std::vector<glm::vec3> of_points_;   // exitance by lights without size
     // A ray from one reflector to another, or to a patch.
     struct Link {
         std::uint32_t from, to;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
@@ -84,8 +85,11 @@ struct Corner {
     InstanceId object;
 };
 
+constexpr double k_above = 0.65;   // the middle of the object: its foot is just above the floor
+constexpr double k_standing = 0.6;
+
 // An object in the corner of a floor, a red and a green wall, under an even sky with a bright spot.
-Corner corner(const Triangles& mesh, Mobility mobility, const Albedo& albedo = {})
+Corner corner(const Triangles& mesh, Mobility mobility, const Albedo& albedo = {}, double height = k_above)
 {
     SceneBuilder builder;
     const auto matte = [&](float r, float g, float b) {
@@ -101,7 +105,7 @@ Corner corner(const Triangles& mesh, Mobility mobility, const Albedo& albedo = {
     wall({{-2, 0, -2}, {-2, 4, -2}, {2, 4, -2}, {2, 0, -2}}, matte(dark, light, dark));
     const InstanceId object =
         builder.instance(builder.mesh({.positions = mesh.positions, .indices = mesh.indices, .normals = mesh.normals}),
-                         matte(albedo.object, albedo.object, albedo.object), Transform::translation(-0.9, 0.65, 0.2),
+                         matte(albedo.object, albedo.object, albedo.object), Transform::translation(-0.9, height, 0.2),
                          {.mobility = mobility});
     constexpr int k_width = 64, k_height = 32;
     std::vector<float> sky(3 * k_width * k_height, 0.0f);
@@ -116,13 +120,16 @@ constexpr Size k_size{320, 240};
 
 // The bounced light of the whole corner, brightness by pixel.
 // @param vertices  of the object; empty: its own
-std::vector<double> bounced(Renderer& renderer, const Corner& corner, const std::vector<Vec3>& vertices = {})
+// @param to_world  of the object; none: where it is
+std::vector<double> bounced(Renderer& renderer, const Corner& corner, const std::vector<Vec3>& vertices = {},
+                            const std::optional<Transform>& to_world = {})
 {
     Camera camera;
     camera.transform = Transform::look_at({0.6, 1.5, 2.2}, {-0.9, 0.6, 0.2});
     camera.vertical_fov = 0.75f;
     FrameInput input{.camera = camera};
     if (!vertices.empty()) input.vertices.push_back({corner.object, vertices});
+    if (to_world) input.transforms.push_back({corner.object, *to_world});
     for (const Layer& layer : renderer.render(corner.scene, input).layers) {
         if (layer.name != "indirect") continue;
         const std::vector<float> values = layer.copy();
@@ -292,6 +299,43 @@ TEST(MovingLight, OfABallInTheLightOfABrightSpotReachesTheWallBehind)
 {
     const Window above{60, 2, 300, 40};
     EXPECT_NEAR(part_of_still(ball(24), {.object = 0.7f, .walls = 0.01f}, above), 1, 0.08);
+}
+
+// Ground and sides had .4 of their light within ten pixels of a box's foot: patches of the ground that the box covers
+// in part were dark for its sides, cache points below it lit the ground before it, and its own light came from places
+// too far apart.
+TEST(MovingLight, AtTheFootOfABoxIsThatOfOneThatStandsStill)
+{
+    constexpr int k_block = 6;
+    const std::vector<double> moving = bounced(corner(box(), Mobility::may_move, {}, k_standing)),
+                              still = bounced(corner(box(), Mobility::fixed, {}, k_standing));
+    double least = 1, sum = 0;
+    int count = 0;
+    for (int y = 150; y < 228; y += k_block)
+        for (int x = 48; x < 276; x += k_block) {
+            const Window block{x, y, x + k_block, y + k_block};
+            const double ratio = mean(moving, block) / mean(still, block);
+            least = std::min(least, ratio), sum += ratio;
+            ++count;
+        }
+    std::printf("blocks from %.3f, on average %.3f of the light of what stands still\n", least, sum / count);
+    EXPECT_GT(least, 0.78);
+    EXPECT_NEAR(sum / count, 1, 0.04);
+}
+
+// A cache point below a box is left out as long as the box stands there.
+TEST(MovingLight, WhereABoxStoodIsThatOfANewRenderer)
+{
+    const Corner corner = gnomon::corner(box(), Mobility::may_move, {}, k_standing);
+    const auto at = [&](Renderer& renderer, double x) {
+        return bounced(renderer, corner, {}, Transform::translation(x, k_standing, 0.2));
+    };
+    constexpr Size k_small{160, 120};
+    Renderer kept(options(k_small));
+    for (const double x : {-0.9, -0.9, -0.9, -0.75, -0.75, -0.2, -0.9, -0.2}) {
+        Renderer fresh(options(k_small));
+        EXPECT_EQ(at(kept, x), at(fresh, x)) << x;
+    }
 }
 
 // Half of a ball collapses to a point and comes back. A part of a triangle without area was never placed again.

@@ -89,6 +89,7 @@ class Sides {
             if (distance < nearest)
                 nearest = distance, light.sample = parts_[k].sample, light.sample_normal = parts_[k].normal;
         }
+        if (some.size() == 1) std::ranges::copy(parts_[some.front()].side, light.side);
         if (level == k_most_divisions || some.size() < 2 || !(flux > 0)) return light;
         // Split at the median of the longest axis.
         const glm::vec3 size = box.size();
@@ -241,7 +242,15 @@ void LightTree::add_reflectors()
     std::vector<DynamicVirtualLight> others;
     Sides sides(others, dynamic_halves_);
     for (const patches::DynamicReflection::Reflector& r : reflectors_)
-        sides.add({owner_of(r.object), r.position, r.normal, r.sample, r.normal, r.flux, r.area},
+        sides.add({owner_of(r.object),
+                   r.position,
+                   r.normal,
+                   r.sample,
+                   r.normal,
+                   r.flux,
+                   r.area,
+                   scene::none,
+                   {r.side[0], r.side[1]}},
                   rays_->geometry(r.object));
     sides.finish();
     keep_brightest(others, options_.dynamic_lights);

@@ -69,6 +69,7 @@ struct DynamicVirtualLight {
     glm::vec3 flux{0};
     float area = 0;
     std::uint32_t halves = scene::none;   // LightTree::dynamic_halves(): the first of two that it consists of
+    glm::vec3 side[2]{};                  // of the triangle around the position that it is; 0: it is of no known shape
 
     /// How far cosines at its surfaces reach to both sides of that of the mean normal (point_kernels.h).
     float reach() const { return std::sqrt(std::max(1 - glm::dot(normal, normal), k_least_spread)); }
@@ -82,6 +83,8 @@ struct DynamicVirtualLight {
     /// Whether its halves must stand for it at this squared distance, as a disk seen from near by would be wrong.
     bool is_near(float square) const { return square < near_square(); }
     float near_square() const { return halves != scene::none ? k_near * area : 0; }
+    /// Whether it has no halves, and a disk would be wrong at this squared distance.
+    bool is_wide(float square) const { return halves == scene::none && square < k_near * area; }
 
  private:
     static constexpr float k_near = 12, k_least_spread = 1e-6f;

@@ -188,6 +188,7 @@ void PatchLight::light_past(const scene::SceneState& state, const ray::RayScene&
 {
     received_flux_.clear(), received_.clear();
     blocked_ = patches::blocked_links(patches_, links_, state, rays, surroundings_, spheres, static_exitance_, tasks);
+    open_ = patches::open_parts(patches_, rays, spheres, tasks);
     const std::size_t count = area_.size();
     std::vector<glm::vec3> difference(count);
     bool any = false;
@@ -206,7 +207,8 @@ void PatchLight::light_past(const scene::SceneState& state, const ray::RayScene&
     const std::vector<glm::vec3> bounced = bounce_now(difference, tasks);
     for (std::size_t p = 0; p < count; ++p) {
         flux_[p] += area_[p] * bounced[p];
-        past_[p] = glm::max(past_[p] + difference[p] + (sweeps() > 1 ? bounced[p] : glm::vec3(0)), glm::vec3(0));
+        past_[p] = glm::max(past_[p] + difference[p] + (sweeps() > 1 ? bounced[p] : glm::vec3(0)), glm::vec3(0)) /
+                   open_part(static_cast<PatchId>(p));
     }
 }
 
@@ -294,7 +296,7 @@ std::size_t PatchLight::bytes() const
            (static_exitance_.size() + blocked_.irradiance.size() + past_.size() + received_.size() +
             received_flux_.size()) *
                sizeof(glm::vec3) +
-           blocked_.links.size() * sizeof(patches::BlockedLink);
+           blocked_.links.size() * sizeof(patches::BlockedLink) + open_.size() * sizeof(float);
 }
 
 }   // namespace gnomon::irradiance_cache

@@ -12,6 +12,7 @@
 
 #include <memory>
 
+#include "patches/open_places.h"
 #include "patches/patch_bounces.h"
 #include "patches/patch_emission.h"
 
@@ -83,10 +84,16 @@ class PatchLight {
     void receive(std::span<const glm::vec3> irradiance, Tasks& tasks);
     /// Adds what was received, times a factor by colour, to the light of this frame.
     void add_received(const glm::vec3& factor);
-    /// Radiant exitance by patch that lights dynamic objects: of light_past(), and what receive() adds to it. Empty if
-    /// light bounces once, or nothing is received.
+    /// Radiant exitance by patch, of its open part, that lights dynamic objects: of light_past(), and what receive()
+    /// adds to it. Empty if light bounces once, or nothing is received.
     std::span<const glm::vec3> exitance_past() const { return past_; }
     std::span<const glm::vec3> exitance_received() const { return received_; }
+    /// The part of a patch that no dynamic object covers now, by which the exitance of what is seen of it from near by
+    /// is larger than its mean; 1 if all is covered.
+    float open_part(patches::PatchId patch) const
+    {
+        return patch < open_.size() && open_[patch] > 0 ? open_[patch] : 1.0f;
+    }
     const patches::Surroundings& surroundings() const { return surroundings_; }
     std::span<const glm::vec3> albedo() const { return albedo_; }
 
@@ -122,6 +129,7 @@ class PatchLight {
     std::vector<glm::vec3> static_flux_, flux_, received_flux_;
     patches::BlockedLinks blocked_;            // by dynamic objects
     std::vector<glm::vec3> past_, received_;   // exitance that may bounce on
+    std::vector<float> open_;                  // patches::open_parts()
     std::vector<glm::vec3> static_exitance_;   // that may bounce on, of light maps' leaves as well
     bool differs_ = false;
 };

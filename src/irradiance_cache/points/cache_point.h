@@ -22,12 +22,13 @@ inline constexpr std::uint32_t k_no_owner = scene::none;   // of points on stati
 
 struct CachePoint {
     AnchorKey key = 0;
-    bool exists = false;       // the key's place lies on a surface
-    bool queued = false;       // waits for evaluation by a PointDevice
-    bool covered = false;      // parts of static objects: other geometry lies on it
-    bool local = false;        // lattice points: their light holds for nothing around (StaticVisibility::find_local)
-    bool steep = false;        // lattice points: their light changes within a spacing, as at the foot of a wall
-    bool near_light = false;   // static_light includes light of a near field (near_field/near_of_points.h):
+    bool exists = false;        // the key's place lies on a surface
+    bool queued = false;        // waits for evaluation by a PointDevice
+    bool covered = false;       // parts of static objects: other geometry lies on it
+    bool covered_now = false;   // of static objects: a dynamic one stands on it, or is close to it all around
+    bool local = false;         // lattice points: their light holds for nothing around (StaticVisibility::find_local)
+    bool steep = false;         // lattice points: their light changes within a spacing, as at the foot of a wall
+    bool near_light = false;    // static_light includes light of a near field (near_field/near_of_points.h):
     glm::vec3 static_near{0}, near{0};   // its irradiance by colour, without dynamic objects and now
     float near_factor = 0;   // lattice and near-field points: the form factor of the surfaces of their near field
     float brightness = 0;    // lattice points: luminance of their static light, its near field aside;
@@ -82,6 +83,13 @@ struct CachePoint {
         for (int colour = 0; colour < 3; ++colour) light[colour] += flux[colour] * direction;
     }
 };
+
+/// A dynamic object covers a point of a static one if it is less far away in every direction.
+inline float cover_reach(const CachePoint& point)
+{
+    constexpr float k_reach = 0.25f;   // of the lattice's spacing
+    return is_lattice(point.key) ? k_reach * lattice_spacing(point.key) : 0.0f;
+}
 
 /// Whether those points of a lattice cell that exist have one normal.
 inline bool have_one_normal(const CachePoint* const (&points)[4])

@@ -73,6 +73,7 @@ void CpuEvaluator::sum(const CacheFrame& frame, std::span<CachePoint* const> poi
             point.dynamic_version = frame.dynamic_version;
             std::copy(point.static_light, point.static_light + 3, point.light);
             point.near = point.static_near;
+            point.covered_now = false;
             if (frame.lights.any_patch_differs()) add_patch_difference(frame.lights, point);
             if (!frame.dynamic_bounds.empty() || frame.lights.any_differs()) correct(frame, point, scratch);
         }

@@ -164,6 +164,7 @@ void DeviceEvaluator::sum(const CacheFrame& frame, std::span<CachePoint* const> 
             ++own.counters.summed_points;
             point.dynamic_version = frame.dynamic_version;
             point.near = point.static_near;
+            point.covered_now = false;
             for (int colour = 0; colour < 3; ++colour)
                 point.light[colour] = point.static_light[colour] + point.tint[colour] * sums.light[p].of[colour];
             for (; crossed != sums.crossed.end() && crossed->point == p; ++crossed) {

@@ -306,7 +306,7 @@ void Interpolator::gather_anchors(BatchWork& work)
             work.queued = work.queued || from.queued;
             const glm::vec3 p = from.position, n = from.normal;
             // A point that holds for nothing around it is infinitely far away, and separated from everything.
-            const bool holds = from.exists && !from.local;
+            const bool holds = from.exists && !from.local && !from.covered_now;
             cell.x[i] = holds ? p.x : k_infinity, cell.y[i] = p.y, cell.z[i] = p.z;
             cell.nx[i] = n.x, cell.ny[i] = n.y, cell.nz[i] = n.z;
             const float room = k_room * lattice_spacing(from.key);
@@ -366,7 +366,7 @@ void Interpolator::find_hidden(const CacheFrame& frame, std::span<const Indirect
     for (const PartRequest& request : work.parts) {
         const CachePoint& part = *request.part;
         const IndirectPoint& point = points[request.point];
-        if (work.dynamic[request.point] || part.covered || !part.exists) continue;
+        if (work.dynamic[request.point] || part.covered || part.covered_now || !part.exists) continue;
         const float lift = k_lift * glm::length(point.position - part.position);
         const glm::vec3 from = part.origin() + lift * part.geometric_normal;
         rays_.push(from, 0, point.position + (part.lift + lift) * point.geometric_normal - from, k_end);
@@ -378,7 +378,7 @@ void Interpolator::find_hidden(const CacheFrame& frame, std::span<const Indirect
     for (std::size_t k = 0; k < work.parts.size(); ++k) {
         const CachePoint& part = *work.parts[k].part;
         if (work.dynamic[work.parts[k].point]) continue;
-        hidden_[k] = part.covered || (part.exists && occluded_[next++]);
+        hidden_[k] = part.covered || part.covered_now || (part.exists && occluded_[next++]);
     }
 }
 

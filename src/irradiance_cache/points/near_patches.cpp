@@ -15,7 +15,7 @@ constexpr float k_clear_cosine = 0.25f;   // of a node's place, from which on it
 
 }   // namespace
 
-NearPatches::NearPatches() : directions_(cosine_directions(static_cast<int>(k_rays))) {}
+NearPatches::NearPatches(bool moving) : moving_(moving), directions_(cosine_directions(static_cast<int>(k_rays))) {}
 
 void NearPatches::clear()
 {
@@ -91,9 +91,10 @@ void NearPatches::add_missed(const LightTree& tree, const glm::vec3& origin, std
 void NearPatches::trace(const CacheFrame& frame)
 {
     if (rays_.size() == 0) return;
-    rays_.trace(frame.state->scene(), *frame.rays);
+    const ray::Against against = moving_ ? ray::Against::everything : ray::Against::static_only;
+    rays_.trace(frame.state->scene(), *frame.rays, against);
     passes_.resize(frame.rays->thins_light() ? rays_.size() : 0);
-    if (!passes_.empty()) rays_.find_passing(*frame.rays, passes_.data());
+    if (!passes_.empty()) rays_.find_passing(*frame.rays, passes_.data(), against);
 }
 
 CloseLight NearPatches::find(const CacheFrame& frame, const CachePoint& point, std::size_t number,
@@ -111,7 +112,15 @@ CloseLight NearPatches::find(const CacheFrame& frame, const CachePoint& point, s
         const glm::vec3 direction = rays_.direction(r);
         if (rays_.leaves(r) || !(glm::dot(direction, point.horizon) > 0)) continue;
         const patches::PatchId patch = rays_.patch(patches, *frame.rays, r);
-        if (patch == patches::k_no_patch || !std::ranges::binary_search(near, tree.node_of(patch))) continue;
+        if (patch == patches::k_no_patch) continue;
+        // The middle of a patch that a dynamic object stands on may lie behind a side of the object: no cut holds it.
+        const NodeId of_patch = tree.node_of(patch);
+        const auto is_behind = [&] {
+            const VirtualLightQuad& quad = tree.quad(of_patch / 4);
+            const std::size_t lane = of_patch % 4;
+            return !(glm::dot(glm::vec3(quad.x[lane], quad.y[lane], quad.z[lane]) - origin, point.horizon) > 0);
+        };
+        if (!std::ranges::binary_search(near, of_patch) && !(moving_ && is_behind())) continue;
         auto met = std::ranges::find(met_, patch, &Met::patch);
         if (met == met_.end()) met = met_.insert(met_.end(), {patch, 0, 0, glm::vec3(0)});
         const float share = (passes_.empty() ? 1 : luminance(passes_[r])) / static_cast<float>(k_rays);
@@ -123,7 +132,8 @@ CloseLight NearPatches::find(const CacheFrame& frame, const CachePoint& point, s
     CloseLight close;
     for (const Met& met : met_) {
         const NodeId node = tree.node_of(met.patch);
-        const glm::vec3 flux = tree.static_flux().at(node);
+        const glm::vec3 flux =
+            moving_ ? tree.flux().at(node) / tree.patch_light()->open_part(met.patch) : tree.static_flux().at(node);
         if (flux == glm::vec3(0) || !(met.share > 0)) continue;
         const float inverse_area = 1 / patches.patches()[met.patch].area;
         const float exitance = inverse_area * luminance(flux);
@@ -131,7 +141,7 @@ CloseLight NearPatches::find(const CacheFrame& frame, const CachePoint& point, s
         close += {met.close * exitance, met.close, farther, 0, met.close > 0 ? farther : 0};
         const glm::vec3 to = tree.samples().at(node) - origin;
         const float cosine = glm::dot(to, point.normal) / glm::length(to);
-        if (cosine > k_clear_cosine && glm::dot(to, point.horizon) > 0) {
+        if (!moving_ && cosine > k_clear_cosine && glm::dot(to, point.horizon) > 0) {
             seen.push_back(pack_seen(node, met.share * inverse_area / cosine));
             continue;
         }

@@ -9,7 +9,11 @@
 // rays found, so that light that dynamic objects occlude is corrected in the same way. Where the node's place lies too
 // near the horizon for that, the light is added as it arrives.
 //
-// Cost: k_rays closest hits for a new point that has a near patch. Points on dynamic objects have none.
+// Points on dynamic objects are evaluated again whenever anything moves. Their near patches are seen past dynamic
+// objects too, with their present light, and no node stands for them: the place of a patch that the object covers in
+// part may lie under it.
+//
+// Cost: k_rays closest hits for a new point that has a near patch.
 
 #include <vector>
 
@@ -47,7 +51,8 @@ class NearPatches {
     static constexpr std::size_t k_rays = 64;   // of a point
     static constexpr std::size_t k_none = ~std::size_t{0};
 
-    NearPatches();
+    /// @param moving  for points on dynamic objects
+    explicit NearPatches(bool moving = false);
     void clear();
     std::size_t rays() const { return rays_.size(); }
 
@@ -81,6 +86,7 @@ class NearPatches {
         float close;           // of the rays: those that end within `reach`
         glm::vec3 direction;   // sum over rays, each as long as its share over its cosine
     };
+    bool moving_;
     std::vector<glm::vec3> directions_;
     patches::PatchRays rays_;
     std::vector<glm::vec3> passes_;   // by ray, where anything thins light

@@ -141,6 +141,18 @@ PartWeights select_moving_parts(const CacheFrame& frame, const IndirectPoint& po
     const bool smooth = geometry.normals && !geometry.mesh->normals.empty();
     const bool front = glm::dot(own, point.geometric_normal) > 0;
     PartWeights parts;
+    // Interpolate along a long and narrow triangle.
+    glm::vec3 corner[3];
+    geometry.corners(point.triangle, corner);
+    const SlenderTriangle slender = slender_triangle(corner);
+    if (slender.height > 0 && slender.height < spacing && slender.length > k_long * spacing) {
+        const float width = k_slice * frame.options.pixels_per_corner * point.width;
+        const std::uint32_t level = part_detail(slender.length * slender.length, width).level;
+        const SlicesAround around = slices_around(slender, frame.triangles.first(point.object) + point.triangle, front,
+                                                  level, point.u, point.v);
+        for (int i = 0; i < 2; ++i) parts.add(around.key[i], around.weight[i]);
+        return parts;
+    }
     if (!(twice_area < (smooth ? k_smooth_small : k_flat_small) * spacing * spacing)) {
         const std::uint32_t triangle = frame.triangles.first(point.object) + point.triangle;
         const PartDetail detail = part_detail(0.5f * twice_area, frame.options.pixels_per_corner * point.width);
@@ -148,18 +160,6 @@ PartWeights select_moving_parts(const CacheFrame& frame, const IndirectPoint& po
         const float finer = level == detail.level ? frame.fade_in(k_faster * detail.fraction) : 1.0f;
         add_corners_around(parts, triangle, front, level, point.u, point.v, finer);
         if (finer < 1) add_corners_around(parts, triangle, front, level - 1, point.u, point.v, 1 - finer);
-        return parts;
-    }
-    // Interpolate along a long and narrow triangle.
-    glm::vec3 corner[3];
-    geometry.corners(point.triangle, corner);
-    const SlenderTriangle slender = slender_triangle(corner);
-    if (slender.height > 0 && slender.length > k_long * spacing) {
-        const float width = k_slice * frame.options.pixels_per_corner * point.width;
-        const std::uint32_t level = part_detail(slender.length * slender.length, width).level;
-        const SlicesAround around = slices_around(slender, frame.triangles.first(point.object) + point.triangle, front,
-                                                  level, point.u, point.v);
-        for (int i = 0; i < 2; ++i) parts.add(around.key[i], around.weight[i]);
         return parts;
     }
     // Blend clusters of small triangles where normals say that these stand for a smooth surface; not in mirrors, which

@@ -31,6 +31,52 @@ const SkyLight& sky_over(const CacheFrame& frame, const CachePoint& point)
     return is_lattice(point.key) || point.owner != k_no_owner ? frame.sky : frame.sky_of_parts;
 }
 
+// Lambert's vector of a light's surface above a point's horizon, by the light's area: its dot product with the point's
+// normal is irradiance by flux. Lights of no known shape are squares that overlap, so that there are no gaps between
+// them; what of these lies below the horizon is taken to lie above it.
+glm::vec3 form_vector(const CachePoint& point, const DynamicVirtualLight& light)
+{
+    constexpr float k_overlap = 9;   // areas
+    const glm::vec3 middle = light.position - point.origin();
+    const bool known = light.side[0] != glm::vec3(0);
+    glm::vec3 corner[4];
+    int corners = 3;
+    float area = light.area;
+    if (known) {
+        corner[0] = middle - (light.side[0] + light.side[1]) / 3.0f;
+        corner[1] = corner[0] + light.side[0], corner[2] = corner[0] + light.side[1];
+    } else {
+        area *= k_overlap;
+        glm::vec3 x, y;
+        make_basis(glm::normalize(light.normal), x, y);
+        x *= 0.5f * std::sqrt(area), y *= 0.5f * std::sqrt(area);
+        corner[0] = middle - x - y, corner[1] = middle + x - y, corner[2] = middle + x + y, corner[3] = middle - x + y;
+        corners = 4;
+        if (!(glm::dot(middle, point.normal) > 0)) return glm::vec3(0);
+    }
+    // Clip it at the horizon.
+    glm::vec3 above[8];
+    int count = 0;
+    for (int i = 0; i < corners; ++i) {
+        const glm::vec3 &a = corner[i], &b = corner[(i + 1) % corners];
+        const float height = glm::dot(a, point.normal), next = glm::dot(b, point.normal);
+        if (height > 0) above[count++] = a;
+        if ((height > 0) != (next > 0)) above[count++] = a + (height / (height - next)) * (b - a);
+    }
+    // Sum the edges, whose order is unknown.
+    glm::vec3 sum(0), twice_area(0);
+    for (int i = 0; i < count; ++i) {
+        twice_area += glm::cross(above[i], above[(i + 1) % count]);
+        const glm::vec3 a = glm::normalize(above[i]), b = glm::normalize(above[(i + 1) % count]), c = glm::cross(a, b);
+        const float sine = glm::length(c);
+        if (sine > 0) sum += (std::atan2(sine, glm::dot(a, b)) / sine) * c;
+    }
+    if (!known) area = 0.5f * glm::length(twice_area);
+    if (!(area > 0)) return glm::vec3(0);
+    sum /= 2 * static_cast<float>(k_pi) * area;
+    return glm::dot(sum, middle) < 0 ? -sum : sum;
+}
+
 }   // namespace
 
 void OcclusionTester::test(const ray::RayQueue& queue, ray::Against against, std::vector<std::uint8_t>& occluded,
@@ -49,7 +95,7 @@ void StaticVisibility::clear()
 {
     added_.clear();
     rays_.clear();
-    near_.clear();
+    near_.clear(), near_of_moving_.clear();
     nodes_.clear();
     weights_.clear();
 }
@@ -60,9 +106,9 @@ void StaticVisibility::add(const CacheFrame& frame, CachePoint& point, std::span
     const NearOptions* const near = point.owner == k_no_owner ? &frame.near_field.light().options() : nullptr;
     added_.push_back({&point, nodes_.size(), NearPatches::k_none});
     point.tint = glm::vec3(1);
-    if (frame.lights.patch_light() && point.owner == k_no_owner) {
+    if (frame.lights.patch_light()) {
         cut_.assign(cut.begin(), cut.end()), cut_weights_.assign(weight.begin(), weight.end());
-        added_.back().near = near_.divide(frame.lights, point, cut_, cut_weights_);
+        added_.back().near = near_of(point).divide(frame.lights, point, cut_, cut_weights_);
         cut = cut_, weight = cut_weights_;
     }
     if (point.owner == k_no_owner) {
@@ -382,19 +428,41 @@ void PresentLight::correct_sky(const CacheFrame& frame, CachePoint& point)
     }
 }
 
+// Finds whether dynamic objects cover a point of a static one.
+void PresentLight::find_covered(const CacheFrame& frame, CachePoint& point)
+{
+    if (point.owner != k_no_owner) return;
+    const glm::vec3 origin = point.origin();
+    const float near = cover_reach(point);
+    const bool inside = frame.dynamic_bounds.any(
+        [&](const Sphere& sphere) {
+            const glm::vec3 to = sphere.centre - origin;
+            const float reach = sphere.radius + near;
+            return glm::dot(to, to) < reach * reach;
+        },
+        [&](const Sphere&, const MovingBox& box) { return meets_way(box, origin, point.normal, 0, near); });
+    point.covered_now = inside && patches::is_covered(*frame.rays, origin, point.geometric_normal, near);
+}
+
 void PresentLight::add_dynamic_lights(const CacheFrame& frame, CachePoint& point)
 {
     if (frame.lights.dynamic_lights().empty()) return;
     const float already = luminance(point.irradiance(point.normal));
-    // Adds a light that is small as seen from the point.
+    // Adds a light that is small as seen from the point, or cannot be divided.
     const auto add = [&](const DynamicVirtualLight& light, bool tested) {
         const glm::vec3 to = light.sample - point.origin();
         const float square = glm::dot(to, to), distance = std::sqrt(square);
         const float cosine = glm::dot(to, point.normal), facing = light.facing(to, distance);
-        if (!(cosine > 0) || !(facing > 0) || !(glm::dot(to, point.horizon) > 0)) return;
-        // The kernel of a disk, as for nodes of the tree (point_kernels.h).
-        const float kernel = facing / distance / (static_cast<float>(k_pi) * square + light.area);
-        const glm::vec3 direction = to * (kernel / distance);
+        if (!(facing > 0)) return;
+        glm::vec3 direction;
+        if (light.owner != point.owner && light.is_wide(square)) {
+            direction = form_vector(point, light);
+        } else {
+            if (!(cosine > 0) || !(glm::dot(to, point.horizon) > 0)) return;
+            // The kernel of a disk, as for nodes of the tree (point_kernels.h).
+            const float kernel = facing / distance / (static_cast<float>(k_pi) * square + light.area);
+            direction = to * (kernel / distance);
+        }
         if (!tested && luminance(light.flux) * glm::dot(direction, point.normal) < frame.options.untested * already) {
             point.add_light(light.flux, direction);
             return;
@@ -414,6 +482,7 @@ void PresentLight::add_dynamic_lights(const CacheFrame& frame, CachePoint& point
 void PresentLight::finish(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters)
 {
     add_arriving(tester, rays_, contributions_, ray::Against::dynamic_only, counters);
+    for (CachePoint* point : lit_) find_covered(frame, *point);
     // How small a part is, all other light tells: not what is left of it while some is in doubt.
     for (CachePoint* point : lit_) add_dynamic_lights(frame, *point);
     add_arriving(tester, bounce_rays_, bounces_, ray::Against::everything, counters);

@@ -32,7 +32,7 @@ class StaticVisibility {
  public:
     StaticVisibility() { rays_.purpose = ray::RayClass::indirect; }
     void clear();
-    std::size_t rays() const { return rays_.size() + near_.rays(); }
+    std::size_t rays() const { return rays_.size() + near_.rays() + near_of_moving_.rays(); }
     /// Adds a point with its cut: the nodes, and what a unit of flux of each brings. Of a long cut, some are tested.
     void add(const CacheFrame& frame, CachePoint& point, std::span<const NodeId> cut, std::span<const float> weight);
     /// Traces a ray to each of them, and calls store(point, nodes) in order, where `nodes` are those that are visible.
@@ -56,6 +56,7 @@ class StaticVisibility {
         std::size_t sky_ray = 0;   // its first one
         SkyMask sky_above{}, sky_seen{}, sky_edges{};   // directions above it; of these, seen; divided
     };
+    NearPatches& near_of(const CachePoint& point) { return point.owner == k_no_owner ? near_ : near_of_moving_; }
     void add_close_nodes(const CacheFrame& frame, Added& added) const;
     void add_beyond(const CacheFrame& frame, std::size_t nodes, Added& added) const;
     glm::vec3 facing_of_seen(const CacheFrame& frame, const CachePoint& point) const;
@@ -68,7 +69,7 @@ class StaticVisibility {
     void add_node(const CacheFrame& frame, const CachePoint& point, NodeId node, float weight, const NearOptions* near);
     static constexpr float k_close = 1.0f;   // spacings
     std::vector<Added> added_;
-    NearPatches near_;
+    NearPatches near_, near_of_moving_{true};
     NearOfPoints near_field_;
     std::vector<CachePoint*> points_;
     std::vector<NodeId> cut_;   // of one point
@@ -104,6 +105,7 @@ class PresentLight {
         CachePoint* point;
         glm::vec3 flux, direction;
     };
+    static void find_covered(const CacheFrame& frame, CachePoint& point);
     void add_dynamic_lights(const CacheFrame& frame, CachePoint& point);
     void add_arriving(const OcclusionTester& tester, const ray::RayQueue& rays,
                       const std::vector<Contribution>& contributions, ray::Against against, CacheCounters& counters);
@@ -128,11 +130,11 @@ void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTeste
 {
     tester.test(rays_, ray::Against::static_only, occluded_, counters);
     if (frame.rays->thins_light()) thin_nodes(frame);
-    near_.trace(frame);
+    near_.trace(frame), near_of_moving_.trace(frame);
     points_.clear();
     for (const Added& added : added_) points_.push_back(added.point);
     near_field_.find_static(frame, points_, counters);   // before any point is complete
-    counters.rays += near_.rays();
+    counters.rays += near_.rays() + near_of_moving_.rays();
     RestOfLight rest;
     const bool patches = frame.lights.patch_light() != nullptr;   // without them, no light is local
     for (std::size_t a = 0; a < added_.size(); ++a) {
@@ -145,7 +147,7 @@ void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTeste
         if (lattice) add_close_nodes(frame, added_[a]);
         const float reach = lattice ? k_close * lattice_spacing(point.key) : 0;
         const std::size_t nodes = seen_.size();
-        if (near) added_[a].close += near_.find(frame, point, added_[a].near, seen_, rest, reach);
+        if (near) added_[a].close += near_of(point).find(frame, point, added_[a].near, seen_, rest, reach);
         if (lattice) add_beyond(frame, nodes, added_[a]);
         store(point, std::span<const SeenNode>(seen_));
         for (int colour = 0; near && colour < 3; ++colour) point.static_light[colour] += rest.light[colour];

@@ -53,6 +53,25 @@ void RememberedBatch::add_lattice(glm::vec3* irradiance, glm::vec4* near_known, 
     }
 }
 
+bool RememberedBatch::may_be_covered(const MovingSpheres& dynamic_bounds) const
+{
+    if (region.empty()) return false;
+    const glm::vec3 half = 0.5f * region.size();
+    return dynamic_bounds.any(
+        [&](const Sphere& sphere) {
+            const glm::vec3 off = glm::max(glm::abs(sphere.centre - region.centre()) - half, glm::vec3(0));
+            return glm::dot(off, off) <= sphere.radius * sphere.radius;
+        },
+        [&](const Sphere&, const MovingBox& box) {
+            const glm::vec3 at = region.centre() - box.centre;
+            for (int i = 0; i < 3; ++i)
+                if (std::abs(glm::dot(box.normal[i], at)) >
+                    box.half[i] + glm::dot(glm::abs(box.normal[i]), half) + MovingBox::margin(at))
+                    return false;
+            return true;
+        });
+}
+
 void RememberedBatch::add_near(const glm::vec4* near_known, const float* near_share, NearBlend& scratch,
                                glm::vec3* irradiance) const
 {
@@ -105,6 +124,12 @@ std::unique_ptr<RememberedBatch> BatchRecorder::finish(std::span<const IndirectP
     RememberedBatch& to = *result;
     to.count = points.size();
     to.pixels = pixels.remembered();
+    for (const Cell& cell : cells_)
+        for (const CachePoint* const point : cell.point) {
+            if (!point->exists) continue;
+            const glm::vec3 origin = point->origin(), near(cover_reach(*point));
+            to.region.add(Box3{origin - near, origin + near});
+        }
     // Leave out what is computed anew.
     std::erase_if(contributions_,
                   [&](const Contribution& c) { return std::ranges::binary_search(rest_, std::uint32_t{c.of.point}); });

@@ -6,7 +6,8 @@
 // weights: levels of the lattice, what separates lattice points from a surface point, and near-field points depend on
 // nothing that moves. So a frame needs neither look-ups nor weights again, but sums the present light of these cache
 // points, in the same order. Surface points that take light from parts are computed anew, because which parts they take
-// depends on the light (interpolator.h); so are those on dynamic objects.
+// depends on the light (interpolator.h); so are those on dynamic objects. Where dynamic objects may cover lattice
+// points, nothing is remembered.
 //
 // Pointers to cache points stay valid as long as the batch is shaded in every frame, because the table keeps the points
 // of the last frame (point_table.h).
@@ -18,6 +19,7 @@
 #include <span>
 #include <vector>
 
+#include "irradiance_cache/light_tree/moving_spheres.h"
 #include "irradiance_cache/near_field/near_blend.h"
 #include "irradiance_cache/points/cache_point.h"
 #include "irradiance_cache/points/collector.h"
@@ -48,6 +50,8 @@ struct RememberedBatch {
     std::uint32_t frame = 0;            // CacheFrame::number of the last one that shaded it
     std::uint64_t static_results = 0;   // IrradianceCache::static_results_ that it belongs to
     std::size_t count = 0;              // surface points
+    Box3 region;                        // of all lattice points that were looked at, with those parts of their spacing
+                                        // from within which dynamic objects may cover them
     std::vector<CachePoint*> cached;
     std::vector<glm::vec3> normals;   // of surface points
     std::vector<Cell> cells;
@@ -62,6 +66,8 @@ struct RememberedBatch {
     void add_lattice(glm::vec3* irradiance, glm::vec4* near_known, float* near_share) const;
     void add_near(const glm::vec4* near_known, const float* near_share, NearBlend& scratch,
                   glm::vec3* irradiance) const;
+    /// Whether a dynamic object may cover a lattice point that was looked at.
+    bool may_be_covered(const MovingSpheres& dynamic_bounds) const;
     std::size_t bytes() const;
 };
 
