@@ -950,7 +950,7 @@ MUTATIONS = (
         "src/patches/open_places.cpp", "(geometry.mirrored ? -winding : winding, queue.direction(r)) > 0",
         "(geometry.mirrored ? -winding : winding, queue.direction(r)) < 1e30f", "unit:OpenPlaces.*"),
     row("near-patches-of-moving", "irradiance_cache", "sides of what moves take light of the ground at their foot by its middle",
-        "src/irradiance_cache/points/near_patches.cpp", "&& !(moving_ && is_behind())) continue;", ") continue;",
+        "src/irradiance_cache/points/near_patches.cpp", "!(moving_ && is_behind())) continue;", "!(!moving_ && is_behind())) continue;",
         "property:MovingLight.AtTheFootOfABoxIsThatOfOneThatStandsStill"),
     row("below-a-box", "irradiance_cache", "cache points below a box light the ground before it",
         "src/irradiance_cache/points/interpolator.cpp", "from.exists && !from.local && !from.covered_now;",
