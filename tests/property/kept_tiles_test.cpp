@@ -54,7 +54,7 @@ struct World {
     }
     static Transform placed(int box, double at)
     {
-        return Transform::translation(box == 0 ? at : -1.2, 0.3 + 0.2 * box, box == 0 ? 0.4 : at) *
+        return Transform::translation(box == 0 ? at : -1.2, box == 0 ? 0.15 : 0.5, box == 0 ? 0.4 : at) *
                Transform::scaling(0.15, 0.15, 0.15);
     }
 };
