@@ -957,7 +957,7 @@ MUTATIONS = (
         "from.exists && !from.local;", "property:MovingLight.AtTheFootOfABoxIsThatOfOneThatStandsStill"),
     row("covered-remembered", "irradiance_cache", "tiles remember cache points that a box covers or leaves",
         "src/irradiance_cache/points/remembered_batch.cpp", "if (region.empty()) return false;", "return false;",
-        "property:MovingLight.WhereABoxStoodIsThatOfANewRenderer"),
+        "property:KeptTiles.TheGroundBeforeABoxIsThatOfNewRenderers"),
     row("disks-at-the-foot", "irradiance_cache", "parts of what moves light the ground at its foot as disks",
         "src/irradiance_cache/points/point_light.cpp", "light.owner != point.owner && light.is_wide(square)",
         "light.owner != point.owner && light.is_wide(1e30f * square)",

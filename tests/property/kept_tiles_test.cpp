@@ -22,7 +22,8 @@ struct World {
     std::optional<Scene> made;
     const Scene& scene() const { return *made; }
 
-    explicit World(float roughness = 0)
+    // @param alone  where there is one box in the light of one bulb behind it
+    explicit World(float roughness = 0, const std::optional<Transform>& alone = {})
     {
         grey = builder.material({.base_color = {0.6f, 0.5f, 0.4f}});
         mirror = builder.material({.base_color = {1, 1, 1}, .metallic = 1, .roughness = roughness});
@@ -41,6 +42,12 @@ struct World {
         const std::vector<std::uint32_t> sides = {0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
                                                   1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7};
         const MeshId cube = builder.mesh({.positions = corners, .indices = sides});
+        if (alone) {
+            boxes.push_back(builder.instance(cube, grey, *alone, {.mobility = Mobility::may_move}));
+            builder.light({.color = {12, 12, 10}}, Transform::translation(0.3, 2.2, 3));
+            made = builder.finish();
+            return;
+        }
         for (int i = 0; i < 2; ++i)
             boxes.push_back(builder.instance(cube, grey, placed(i, 0), {.mobility = Mobility::may_move}));
         builder.instance(cube, grey, Transform::translation(1.2, 0.2, -0.6) * Transform::scaling(0.2, 0.2, 0.2),
@@ -54,7 +61,7 @@ struct World {
     }
     static Transform placed(int box, double at)
     {
-        return Transform::translation(box == 0 ? at : -1.2, box == 0 ? 0.15 : 0.5, box == 0 ? 0.4 : at) *
+        return Transform::translation(box == 0 ? at : -1.2, 0.3 + 0.2 * box, box == 0 ? 0.4 : at) *
                Transform::scaling(0.15, 0.15, 0.15);
     }
 };
@@ -152,6 +159,29 @@ TEST(KeptTiles, LightOfTheQuadTreeIsThatOfNewRenderers)
     RenderOptions of = options();
     of.samples = 1, of.indirect = Indirect::quadtree;
     expect_same_as_anew(of);
+}
+
+// Cache points below a box that stands on the ground are left out as long as it stands there: the ground before it
+// takes light from them again, although neither the box nor its shadow touches what is seen of it.
+TEST(KeptTiles, TheGroundBeforeABoxIsThatOfNewRenderers)
+{
+    const auto placed = [](double x, double z) {
+        return Transform::translation(x, 0.25, z) * Transform::scaling(0.25, 0.25, 0.25);
+    };
+    const World world(0, placed(0, 0));
+    RenderOptions of = options();
+    of.samples = 1;
+    Renderer renderer(of);
+    int kept_frames = 0;
+    for (int frame = 0; frame < 10; ++frame) {
+        SCOPED_TRACE(testing::Message() << "frame " << frame);
+        FrameInput change = input();
+        change.transforms = {{NodeId(world.boxes[0]), placed(0.05 * frame, 0.3 * (frame % 3))}};
+        const Frame got = renderer.render(world.scene(), change);
+        test::expect_same(got, Renderer(of).render(world.scene(), change));
+        if (got.counters.primary_rays < pixels(of)) ++kept_frames;
+    }
+    EXPECT_GE(kept_frames, 6);
 }
 
 TEST(KeptTiles, ClipsOfAStillCameraAreThoseOfNewRenderers)

@@ -110,8 +110,8 @@ double bounced_at(const Scene& scene, float z, int paths)
     return bounced(scene, {0, 0.6f, z + 3}, {0, 0, z}, paths);
 }
 
-// Below a cube .21 of the light was left, below a ball .53: nodes of the light tree held the object's lower side and the
-// underside of the ground, which is far larger and all but black, and counted as lights of that size.
+// Below a cube .21 of the light was left, below a ball .53: nodes of the light tree held the object's lower side and
+// the underside of the ground, which is far larger and all but black, and counted as lights of that size.
 TEST(LightOfObjects, ThatStandStillIsThatOfTheReference)
 {
     for (const Shape shape : {Shape::ball, Shape::box}) {
