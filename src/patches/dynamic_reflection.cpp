@@ -20,6 +20,7 @@ namespace {
 constexpr std::size_t k_least_places = 8, k_places_in_all = 1024;   // of a group, and of all groups
 constexpr std::size_t k_rays = 8;                                   // of a place
 constexpr std::size_t k_places_at_once = 64;                        // by a thread
+constexpr double k_most_level = 6;                                  // how often a triangle is divided
 constexpr float k_least_bounce = 1e-3f;                             // of the first, the last that counts
 constexpr int k_most_bounces = 64;
 constexpr float k_most_albedo = 0.98f;
@@ -138,7 +139,8 @@ void DynamicReflection::choose_places(Surface& surface, std::size_t wanted)
     for (std::uint32_t t = 0; t < sums.size(); ++t) {
         const double area = sums[t] - (t > 0 ? sums[t - 1] : 0);
         if (area > 2 * step) {
-            const auto level = static_cast<std::uint32_t>(std::max(std::lround(0.5 * std::log2(area / step)), 1l));
+            const auto level =
+                static_cast<std::uint32_t>(std::clamp(0.5 * std::log2(area / step) + 0.5, 1.0, k_most_level));
             for (std::uint32_t i = 0; i < 1u << (2 * level); ++i) {
                 glm::dvec2 corner[3];
                 corners_of(micro_at(i, level), level, corner);

@@ -4,18 +4,19 @@
 // light that has bounced off the patches of the static scene.
 //
 // Some places of the objects that move together stand for their surface: parts of equal size of large triangles, and
-// places of small ones at equal steps of area. In a frame in which
-// anything moves, each casts 8 rays, and up to four more to the brightest parts of an environment image; one that
-// leaves the scene brings the light of the sky or of the image, one that ends on a patch what that patch reflects, and
-// one that ends on a dynamic object what the nearest place there reflects, of lights without size as well; light
-// bounces on between the places until a bounce brings less than a thousandth. Surfaces that thin light reflect by their
-// alpha; no rays end on them. Emissive surfaces add their closed form where one ray past everything reaches them, at
-// another of their places for each place. What so few rays find is the mean of a place and the eight around it. Light
-// that bounces from a dynamic object to a patch and back is found apart, by the same rays (again()).
+// places of small ones at equal steps of area. In a frame in which anything moves, each casts 8 rays, and up to four
+// more to the brightest parts of an environment image; one that leaves the scene brings the light of the sky or of the
+// image, one that ends on a patch what that patch reflects, and one that ends on a dynamic object what the nearest place
+// there reflects, of lights without size as well; light bounces on between the places until a bounce brings less than a
+// thousandth. Surfaces that thin light reflect by their alpha; no rays end on them. Emissive surfaces add their closed
+// form where one ray past everything reaches them, at another of their places for each place. So few rays find little:
+// what arrives at a place is taken to be the mean over it and the eight around it. Light that bounces from a dynamic
+// object to a patch and back is found apart, by the same rays (again()).
 //
-// The result is a function of the present state. Cost: 8 rays and one for each light, for each place, of
-// which there are 1,024 of all objects, but at least 8 of those that move together, and one of each object. Of more
-// than 1,024 objects that move together, 1,024 at most stand for all.
+// The result is a function of the present state. Cost: 8 rays and one for each light, for each place, of which there
+// are 1,024 of all objects, up to twice as many where triangles are large, but at least 8 of those that move together,
+// and one of each object. Of more than 1,024 objects that move together, 1,024 at most stand for all. Once for each mesh
+// and number of places, the distance of each place to each other is measured.
 
 #include <array>
 #include <vector>
