@@ -956,7 +956,7 @@ MUTATIONS = (
         "src/irradiance_cache/points/interpolator.cpp", "from.exists && !from.local && !from.covered_now;",
         "from.exists && !from.local;", "property:MovingLight.AtTheFootOfABoxIsThatOfOneThatStandsStill"),
     row("covered-remembered", "irradiance_cache", "tiles remember cache points that a box covers or leaves",
-        "src/irradiance_cache/points/remembered_batch.cpp", "if (region.empty()) return false;", "return false;",
+        "src/irradiance_cache/points/remembered_batch.cpp", "if (looked_at.empty()) return true;", "if (looked_at.size() < 1u << 30) return true;",
         "property:KeptTiles.TheGroundBeforeABoxIsThatOfNewRenderers"),
     row("disks-at-the-foot", "irradiance_cache", "parts of what moves light the ground at its foot as disks",
         "src/irradiance_cache/points/point_light.cpp", "light.owner != point.owner && light.is_wide(square)",

@@ -254,10 +254,6 @@ void IrradianceCache::shade_and_remember(Batch& batch, std::span<const IndirectP
         own.recorder.begin();
         GNOMON_CHECK(shade_points(own, points, irradiance, nullptr, &own.recorder));
         remembered = own.recorder.finish(points, own.pixels);
-        if (remembered->may_be_covered(frame_.dynamic_bounds)) {
-            remembered.reset();
-            return true;
-        }
         remembered->frame = frame_.number, remembered->static_results = static_results_;
         return true;
     });
@@ -267,7 +263,7 @@ bool IrradianceCache::shade_again(Batch& batch, RememberedBatch& remembered, glm
 {
     // The table may have dropped cache points that the last frame did not use.
     if (!can_remember() || remembered.static_results != static_results_ || remembered.frame + 1 != frame_.number ||
-        remembered.may_be_covered(frame_.dynamic_bounds))
+        !remembered.same_are_covered(frame_))
         return false;
     Batch::Scratch& own = *batch.scratch_;
     failing_together(own, [&] { return shade_remembered(own, remembered, irradiance), true; });

@@ -84,13 +84,6 @@ struct CachePoint {
     }
 };
 
-/// A dynamic object covers a point of a static one if it is less far away in every direction.
-inline float cover_reach(const CachePoint& point)
-{
-    constexpr float k_reach = 0.25f;   // of the lattice's spacing
-    return is_lattice(point.key) ? k_reach * lattice_spacing(point.key) : 0.0f;
-}
-
 /// Whether those points of a lattice cell that exist have one normal.
 inline bool have_one_normal(const CachePoint* const (&points)[4])
 {

@@ -7,6 +7,7 @@
 
 #include "irradiance_cache/light_tree/facing_place.h"
 #include "irradiance_cache/near_field/near_light.h"
+#include "irradiance_cache/points/covered_points.h"
 #include "irradiance_cache/points/point_device.h"
 
 namespace gnomon::irradiance_cache {
@@ -428,22 +429,6 @@ void PresentLight::correct_sky(const CacheFrame& frame, CachePoint& point)
     }
 }
 
-// Finds whether dynamic objects cover a point of a static one.
-void PresentLight::find_covered(const CacheFrame& frame, CachePoint& point)
-{
-    if (point.owner != k_no_owner) return;
-    const glm::vec3 origin = point.origin();
-    const float near = cover_reach(point);
-    const bool inside = frame.dynamic_bounds.any(
-        [&](const Sphere& sphere) {
-            const glm::vec3 to = sphere.centre - origin;
-            const float reach = sphere.radius + near;
-            return glm::dot(to, to) < reach * reach;
-        },
-        [&](const Sphere&, const MovingBox& box) { return meets_way(box, origin, point.normal, 0, near); });
-    point.covered_now = inside && patches::is_covered(*frame.rays, origin, point.geometric_normal, near);
-}
-
 void PresentLight::add_dynamic_lights(const CacheFrame& frame, CachePoint& point)
 {
     if (frame.lights.dynamic_lights().empty()) return;
@@ -482,7 +467,8 @@ void PresentLight::add_dynamic_lights(const CacheFrame& frame, CachePoint& point
 void PresentLight::finish(const CacheFrame& frame, const OcclusionTester& tester, CacheCounters& counters)
 {
     add_arriving(tester, rays_, contributions_, ray::Against::dynamic_only, counters);
-    for (CachePoint* point : lit_) find_covered(frame, *point);
+    for (CachePoint* point : lit_)
+        if (point->owner == k_no_owner) point->covered_now = is_covered(frame, CoverablePoint(*point));
     // How small a part is, all other light tells: not what is left of it while some is in doubt.
     for (CachePoint* point : lit_) add_dynamic_lights(frame, *point);
     add_arriving(tester, bounce_rays_, bounces_, ray::Against::everything, counters);

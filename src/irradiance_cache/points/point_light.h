@@ -105,7 +105,6 @@ class PresentLight {
         CachePoint* point;
         glm::vec3 flux, direction;
     };
-    static void find_covered(const CacheFrame& frame, CachePoint& point);
     void add_dynamic_lights(const CacheFrame& frame, CachePoint& point);
     void add_arriving(const OcclusionTester& tester, const ray::RayQueue& rays,
                       const std::vector<Contribution>& contributions, ray::Against against, CacheCounters& counters);

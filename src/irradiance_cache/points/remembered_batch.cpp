@@ -53,23 +53,18 @@ void RememberedBatch::add_lattice(glm::vec3* irradiance, glm::vec4* near_known, 
     }
 }
 
-bool RememberedBatch::may_be_covered(const MovingSpheres& dynamic_bounds) const
+bool RememberedBatch::same_are_covered(const CacheFrame& now) const
 {
-    if (region.empty()) return false;
+    if (looked_at.empty()) return true;
     const glm::vec3 half = 0.5f * region.size();
-    return dynamic_bounds.any(
+    const bool none_near = !now.dynamic_bounds.any(
         [&](const Sphere& sphere) {
             const glm::vec3 off = glm::max(glm::abs(sphere.centre - region.centre()) - half, glm::vec3(0));
             return glm::dot(off, off) <= sphere.radius * sphere.radius;
         },
-        [&](const Sphere&, const MovingBox& box) {
-            const glm::vec3 at = region.centre() - box.centre;
-            for (int i = 0; i < 3; ++i)
-                if (std::abs(glm::dot(box.normal[i], at)) >
-                    box.half[i] + glm::dot(glm::abs(box.normal[i]), half) + MovingBox::margin(at))
-                    return false;
-            return true;
-        });
+        [](const Sphere&, const MovingBox&) { return true; });
+    return std::ranges::all_of(
+        looked_at, [&](const Looked& point) { return point.covered == (!none_near && is_covered(now, point.at)); });
 }
 
 void RememberedBatch::add_near(const glm::vec4* near_known, const float* near_share, NearBlend& scratch,
@@ -85,7 +80,7 @@ std::size_t RememberedBatch::bytes() const
     return sizeof(RememberedBatch) + cached.capacity() * sizeof(CachePoint*) + normals.capacity() * sizeof(glm::vec3) +
            cells.capacity() * sizeof(Cell) + contributions.capacity() * sizeof(Contribution) + pixels.bytes() +
            near.capacity() * sizeof(Near) + rest.capacity() * sizeof(std::uint16_t) +
-           rest_points.capacity() * sizeof(IndirectPoint);
+           rest_points.capacity() * sizeof(IndirectPoint) + looked_at.capacity() * sizeof(Looked);
 }
 
 void BatchRecorder::begin()
@@ -124,12 +119,17 @@ std::unique_ptr<RememberedBatch> BatchRecorder::finish(std::span<const IndirectP
     RememberedBatch& to = *result;
     to.count = points.size();
     to.pixels = pixels.remembered();
-    for (const Cell& cell : cells_)
-        for (const CachePoint* const point : cell.point) {
-            if (!point->exists) continue;
-            const glm::vec3 origin = point->origin(), near(cover_reach(*point));
-            to.region.add(Box3{origin - near, origin + near});
-        }
+    std::vector<const CachePoint*> looked_at;
+    for (const Cell& cell : cells_) looked_at.insert(looked_at.end(), std::begin(cell.point), std::end(cell.point));
+    std::ranges::sort(looked_at);
+    looked_at.erase(std::unique(looked_at.begin(), looked_at.end()), looked_at.end());
+    std::erase_if(looked_at, [](const CachePoint* point) { return !point->exists; });
+    to.looked_at.reserve(looked_at.size());
+    for (const CachePoint* const point : looked_at) {
+        const CoverablePoint at(*point);
+        to.looked_at.push_back({at, point->covered_now});
+        to.region.add(Box3{at.origin - at.reach, at.origin + at.reach});
+    }
     // Leave out what is computed anew.
     std::erase_if(contributions_,
                   [&](const Contribution& c) { return std::ranges::binary_search(rest_, std::uint32_t{c.of.point}); });

@@ -12,17 +12,17 @@
 // Pointers to cache points stay valid as long as the batch is shaded in every frame, because the table keeps the points
 // of the last frame (point_table.h).
 //
-// Memory: some 7 KB for 32 x 32 pixels of the Cornell box at 1920 x 1080; a multiple of it where all pixels are
+// Memory: some 8 KB for 32 x 32 pixels of the Cornell box at 1920 x 1080; a multiple of it where all pixels are
 // computed, or have near fields.
 
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "irradiance_cache/light_tree/moving_spheres.h"
 #include "irradiance_cache/near_field/near_blend.h"
 #include "irradiance_cache/points/cache_point.h"
 #include "irradiance_cache/points/collector.h"
+#include "irradiance_cache/points/covered_points.h"
 #include "irradiance_cache/points/sparse_pixels.h"
 
 namespace gnomon::irradiance_cache {
@@ -50,8 +50,12 @@ struct RememberedBatch {
     std::uint32_t frame = 0;            // CacheFrame::number of the last one that shaded it
     std::uint64_t static_results = 0;   // IrradianceCache::static_results_ that it belongs to
     std::size_t count = 0;              // surface points
-    Box3 region;                        // of all lattice points that were looked at, with those parts of their spacing
-                                        // from within which dynamic objects may cover them
+    struct Looked {
+        CoverablePoint at;
+        bool covered = false;
+    };
+    std::vector<Looked> looked_at;   // lattice points, those that do not contribute too
+    Box3 region;                     // around all that they reach
     std::vector<CachePoint*> cached;
     std::vector<glm::vec3> normals;   // of surface points
     std::vector<Cell> cells;
@@ -66,8 +70,8 @@ struct RememberedBatch {
     void add_lattice(glm::vec3* irradiance, glm::vec4* near_known, float* near_share) const;
     void add_near(const glm::vec4* near_known, const float* near_share, NearBlend& scratch,
                   glm::vec3* irradiance) const;
-    /// Whether a dynamic object may cover a lattice point that was looked at.
-    bool may_be_covered(const MovingSpheres& dynamic_bounds) const;
+    /// Whether dynamic objects cover the same lattice points as before.
+    bool same_are_covered(const CacheFrame& now) const;
     std::size_t bytes() const;
 };
 
