@@ -12,6 +12,7 @@
 // Cost: `rays` short rays per point, and one ray per light where they meet a lit surface. Only static surfaces are part
 // of the near field. Dynamic objects occlude it, and are light sources of their own (DynamicVirtualLight).
 
+#include <span>
 #include <vector>
 
 #include "irradiance_cache/light_tree/light_tree.h"
@@ -79,6 +80,8 @@ class NearLight {
     };
     explicit NearLight(const NearOptions& options = {});
     const NearOptions& options() const { return options_; }
+    /// Of the short rays, about +z.
+    std::span<const glm::vec3> directions() const { return directions_; }
     /// Computes the near field of some receivers. Thread-safe.
     /// @param against  the geometry that rays meet: static_only or everything
     /// @param reach    output: by receiver and direction, for find_change() of later frames; null if not wanted

@@ -40,17 +40,24 @@ void NearOfPoints::find_static(const CacheFrame& frame, std::span<CachePoint* co
         point->near_light = false, point->static_near = glm::vec3(0), point->near_factor = 0;
         if (includes_near_field(frame, *point)) points_.push_back(point);
     }
-    gather(frame, false, counters);
+    gather(frame, Near::of_static, counters);
+}
+
+void NearOfPoints::find_now(const CacheFrame& frame, std::span<CachePoint* const> points, CacheCounters& counters)
+{
+    points_.assign(points.begin(), points.end());
+    gather(frame, Near::now, counters);
 }
 
 void NearOfPoints::add_found() noexcept
 {
     for (std::size_t k = 0; k < points_.size(); ++k) {
         CachePoint& point = *points_[k];
-        point.near_factor = answers_[k].form_factor;
+        if (point.owner == k_no_owner) point.near_factor = answers_[k].form_factor;
         for (int colour = 0; colour < 3; ++colour) {
             const glm::vec3& light = answers_[k].light[colour];
             point.static_light[colour] += light;
+            if (point.owner != k_no_owner) continue;   // it is complete, and corrected by nothing
             point.static_near[colour] = glm::dot(light, point.normal);
             point.near_light = point.near_light || light != glm::vec3(0);
         }
@@ -63,7 +70,7 @@ void NearOfPoints::correct(const CacheFrame& frame, std::span<CachePoint* const>
     for (CachePoint* point : points)
         if (point->near_light && dynamic_may_occlude_near(frame, *point)) points_.push_back(point);
     if (points_.empty()) return;
-    gather(frame, true, counters);
+    gather(frame, Near::change, counters);
     for (std::size_t k = 0; k < points_.size(); ++k)
         for (int colour = 0; colour < 3; ++colour) {
             points_[k]->light[colour] += answers_[k].light[colour];
@@ -72,7 +79,7 @@ void NearOfPoints::correct(const CacheFrame& frame, std::span<CachePoint* const>
 }
 
 // Gathers the near fields of points_, or what dynamic objects change of them, some at a time.
-void NearOfPoints::gather(const CacheFrame& frame, bool change, CacheCounters& counters)
+void NearOfPoints::gather(const CacheFrame& frame, Near what, CacheCounters& counters)
 {
     constexpr std::size_t k_rays = 2048;
     const std::size_t most = std::max<std::size_t>(1, k_rays / static_cast<std::size_t>(frame.options.near_rays));
@@ -83,11 +90,12 @@ void NearOfPoints::gather(const CacheFrame& frame, bool change, CacheCounters& c
         receivers_.clear();
         for (std::size_t k = next; k < next + count; ++k)
             receivers_.push_back({points_[k]->origin(), points_[k]->normal, points_[k]->horizon});
-        if (change)
+        if (what == Near::change)
             light.find_change(*frame.state, *frame.rays, frame.dynamic_bounds, receivers_.data(), count, scratch_,
                               answers_.data() + next);
         else
-            light.gather(*frame.state, *frame.rays, receivers_.data(), count, ray::Against::static_only, scratch_,
+            light.gather(*frame.state, *frame.rays, receivers_.data(), count,
+                         what == Near::now ? ray::Against::everything : ray::Against::static_only, scratch_,
                          answers_.data() + next);
         next += count;
     }

@@ -23,11 +23,12 @@ void NearPatches::clear()
 }
 
 std::size_t NearPatches::divide(const LightTree& tree, const CachePoint& point, std::vector<NodeId>& nodes,
-                                std::vector<float>& weights)
+                                std::vector<float>& weights, float& nearest)
 {
     const glm::vec3 origin = point.origin();
     const std::size_t first = nodes_.size();
     float all = 0, near = 0, reach = 0;
+    nearest = k_infinity;
     std::size_t left = 0;
     for (std::size_t k = 0; k < nodes.size(); ++k) {
         const NodeId node = nodes[k];
@@ -40,6 +41,7 @@ std::size_t NearPatches::divide(const LightTree& tree, const CachePoint& point, 
         if (!(quad.radius[lane] > k_width * distance)) continue;
         nodes_.push_back(node);
         near += light;
+        nearest = std::min(nearest, distance - quad.radius[lane]);
         reach = std::max(reach, distance + quad.radius[lane]);
     }
     add_missed(tree, origin, nodes, near, all, reach);

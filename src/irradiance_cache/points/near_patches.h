@@ -59,8 +59,9 @@ class NearPatches {
     /// Takes near patches out of a point's cut, and queues the point's rays.
     /// @param nodes, weights  of the cut, as cut_tree() returns them; out: those that are left
     /// @return  the number of the point; k_none if near patches bring next to nothing, and the cut stays
+    /// @param nearest  out: how far the nearest of them is, at least; infinite if there is none
     std::size_t divide(const LightTree& tree, const CachePoint& point, std::vector<NodeId>& nodes,
-                       std::vector<float>& weights);
+                       std::vector<float>& weights, float& nearest);
 
     /// Traces all rays.
     void trace(const CacheFrame& frame);

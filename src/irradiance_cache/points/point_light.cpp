@@ -97,20 +97,49 @@ void StaticVisibility::clear()
     added_.clear();
     rays_.clear();
     near_.clear(), near_of_moving_.clear();
+    moving_.clear();
     nodes_.clear();
     weights_.clear();
+}
+
+// Whether some of a point's short rays meet static surfaces.
+bool StaticVisibility::is_surface_near(const CacheFrame& frame, const CachePoint& point)
+{
+    constexpr std::size_t k_rays = 16;   // a packet
+    const NearLight& light = frame.near_field.light();
+    const std::span<const glm::vec3> directions = light.directions();
+    const std::size_t step = std::max<std::size_t>(directions.size() / k_rays, 1);
+    glm::vec3 t, b;
+    make_basis(point.normal, t, b);
+    short_rays_.clear();
+    for (std::size_t i = step / 2; i < directions.size(); i += step) {
+        const glm::vec3& d = directions[i];
+        short_rays_.push(point.origin(), 0, d.x * t + d.y * b + d.z * point.normal, light.options().radius);
+    }
+    occluded_.resize(short_rays_.size() + ray::k_packet_pad);
+    frame.rays->occluded(short_rays_, 0, short_rays_.size(), occluded_.data(), ray::Against::static_only);
+    return std::find(occluded_.begin(), occluded_.begin() + static_cast<std::ptrdiff_t>(short_rays_.size()), 1) !=
+           occluded_.begin() + static_cast<std::ptrdiff_t>(short_rays_.size());
 }
 
 void StaticVisibility::add(const CacheFrame& frame, CachePoint& point, std::span<const NodeId> cut,
                            std::span<const float> weight)
 {
-    const NearOptions* const near = point.owner == k_no_owner ? &frame.near_field.light().options() : nullptr;
     added_.push_back({&point, nodes_.size(), NearPatches::k_none});
     point.tint = glm::vec3(1);
+    float nearest = 0;   // patch
     if (frame.lights.patch_light()) {
         cut_.assign(cut.begin(), cut.end()), cut_weights_.assign(weight.begin(), weight.end());
-        added_.back().near = near_of(point).divide(frame.lights, point, cut_, cut_weights_);
+        added_.back().near = near_of(point).divide(frame.lights, point, cut_, cut_weights_, nearest);
         cut = cut_, weight = cut_weights_;
+    }
+    // Points on dynamic objects have the present near field, and none where no patch is within its radius.
+    const NearOptions* near = &frame.near_field.light().options();
+    if (point.owner != k_no_owner) {
+        if (nearest < near->radius && is_surface_near(frame, point))
+            moving_.push_back(&point);
+        else
+            near = nullptr;
     }
     if (point.owner == k_no_owner) {
         const std::uint32_t most = is_lattice(point.key) ? frame.options.tested : frame.options.tested_of_part;

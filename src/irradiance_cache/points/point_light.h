@@ -30,7 +30,7 @@ struct OcclusionTester {
 /// The static visibility of new points.
 class StaticVisibility {
  public:
-    StaticVisibility() { rays_.purpose = ray::RayClass::indirect; }
+    StaticVisibility() { rays_.purpose = short_rays_.purpose = ray::RayClass::indirect; }
     void clear();
     std::size_t rays() const { return rays_.size() + near_.rays() + near_of_moving_.rays(); }
     /// Adds a point with its cut: the nodes, and what a unit of flux of each brings. Of a long cut, some are tested.
@@ -56,6 +56,7 @@ class StaticVisibility {
         std::size_t sky_ray = 0;   // its first one
         SkyMask sky_above{}, sky_seen{}, sky_edges{};   // directions above it; of these, seen; divided
     };
+    bool is_surface_near(const CacheFrame& frame, const CachePoint& point);
     NearPatches& near_of(const CachePoint& point) { return point.owner == k_no_owner ? near_ : near_of_moving_; }
     void add_close_nodes(const CacheFrame& frame, Added& added) const;
     void add_beyond(const CacheFrame& frame, std::size_t nodes, Added& added) const;
@@ -70,12 +71,12 @@ class StaticVisibility {
     static constexpr float k_close = 1.0f;   // spacings
     std::vector<Added> added_;
     NearPatches near_, near_of_moving_{true};
-    NearOfPoints near_field_;
-    std::vector<CachePoint*> points_;
-    std::vector<NodeId> cut_;   // of one point
+    NearOfPoints near_field_, near_field_of_moving_;
+    std::vector<CachePoint*> points_, moving_;   // moving: on dynamic objects, with static surfaces near by
+    std::vector<NodeId> cut_;                    // of one point
     std::vector<float> cut_weights_;
     TestedNodes tested_;
-    ray::RayQueue rays_;
+    ray::RayQueue rays_, short_rays_;
     std::vector<NodeId> nodes_;    // by ray
     std::vector<float> weights_;   // by ray
     std::vector<SeenNode> seen_;   // of one point
@@ -133,6 +134,7 @@ void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTeste
     points_.clear();
     for (const Added& added : added_) points_.push_back(added.point);
     near_field_.find_static(frame, points_, counters);   // before any point is complete
+    near_field_of_moving_.find_now(frame, moving_, counters);
     counters.rays += near_.rays() + near_of_moving_.rays();
     RestOfLight rest;
     const bool patches = frame.lights.patch_light() != nullptr;   // without them, no light is local
@@ -155,7 +157,7 @@ void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTeste
         counters.nodes += seen_.size();
     }
     counters.new_points += added_.size();
-    near_field_.add_found();
+    near_field_.add_found(), near_field_of_moving_.add_found();
 }
 
 }   // namespace gnomon::irradiance_cache
