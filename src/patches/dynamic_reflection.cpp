@@ -161,14 +161,6 @@ void DynamicReflection::choose_places(Surface& surface, std::size_t wanted)
             add({t, static_cast<float>(u), static_cast<float>(v), static_cast<float>(step / area), true, {}});
         }
     }
-    if (surface.places.empty() && !sums.empty()) {   // small triangles, less than half a step in all
-        const auto largest =
-            static_cast<std::uint32_t>(std::ranges::find_if(sums, [](double sum) { return sum > 0; }) - sums.begin());
-        if (largest < sums.size()) {
-            const double area = sums[largest] - (largest > 0 ? sums[largest - 1] : 0);
-            add({largest, 1 / 3.0f, 1 / 3.0f, static_cast<float>(surface.area / area), true, {}});
-        }
-    }
     find_neighbours(surface);
 }
 

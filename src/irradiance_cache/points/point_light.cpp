@@ -98,6 +98,7 @@ void StaticVisibility::clear()
     rays_.clear();
     near_.clear(), near_of_moving_.clear();
     moving_.clear();
+    short_cast_ = 0;
     nodes_.clear();
     weights_.clear();
 }
@@ -118,8 +119,8 @@ bool StaticVisibility::is_surface_near(const CacheFrame& frame, const CachePoint
     }
     occluded_.resize(short_rays_.size() + ray::k_packet_pad);
     frame.rays->occluded(short_rays_, 0, short_rays_.size(), occluded_.data(), ray::Against::static_only);
-    return std::find(occluded_.begin(), occluded_.begin() + static_cast<std::ptrdiff_t>(short_rays_.size()), 1) !=
-           occluded_.begin() + static_cast<std::ptrdiff_t>(short_rays_.size());
+    short_cast_ += short_rays_.size();
+    return std::ranges::any_of(std::span(occluded_).first(short_rays_.size()), [](std::uint8_t o) { return o != 0; });
 }
 
 void StaticVisibility::add(const CacheFrame& frame, CachePoint& point, std::span<const NodeId> cut,

@@ -77,9 +77,10 @@ class StaticVisibility {
     std::vector<float> cut_weights_;
     TestedNodes tested_;
     ray::RayQueue rays_, short_rays_;
-    std::vector<NodeId> nodes_;    // by ray
-    std::vector<float> weights_;   // by ray
-    std::vector<SeenNode> seen_;   // of one point
+    std::uint64_t short_cast_ = 0;   // rays of short_rays_ since clear()
+    std::vector<NodeId> nodes_;      // by ray
+    std::vector<float> weights_;     // by ray
+    std::vector<SeenNode> seen_;     // of one point
     std::vector<std::uint8_t> occluded_;
     std::vector<glm::vec3> passes_, sky_passes_;   // by ray, where anything thins light
 };
@@ -135,7 +136,7 @@ void StaticVisibility::trace_nodes(const CacheFrame& frame, const OcclusionTeste
     for (const Added& added : added_) points_.push_back(added.point);
     near_field_.find_static(frame, points_, counters);   // before any point is complete
     near_field_of_moving_.find_now(frame, moving_, counters);
-    counters.rays += near_.rays() + near_of_moving_.rays();
+    counters.rays += near_.rays() + near_of_moving_.rays() + short_cast_;
     RestOfLight rest;
     const bool patches = frame.lights.patch_light() != nullptr;   // without them, no light is local
     for (std::size_t a = 0; a < added_.size(); ++a) {

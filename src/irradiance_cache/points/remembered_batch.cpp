@@ -57,14 +57,15 @@ bool RememberedBatch::same_are_covered(const CacheFrame& now) const
 {
     if (looked_at.empty()) return true;
     const glm::vec3 half = 0.5f * region.size();
-    const bool none_near = !now.dynamic_bounds.any(
+    const bool any_near = now.dynamic_bounds.any(
         [&](const Sphere& sphere) {
             const glm::vec3 off = glm::max(glm::abs(sphere.centre - region.centre()) - half, glm::vec3(0));
             return glm::dot(off, off) <= sphere.radius * sphere.radius;
         },
         [](const Sphere&, const MovingBox&) { return true; });
-    return std::ranges::all_of(
-        looked_at, [&](const Looked& point) { return point.covered == (!none_near && is_covered(now, point.at)); });
+    if (!any_near) return !any_covered;
+    return std::ranges::all_of(looked_at,
+                               [&](const Looked& point) { return point.covered == is_covered(now, point.at); });
 }
 
 void RememberedBatch::add_near(const glm::vec4* near_known, const float* near_share, NearBlend& scratch,
@@ -128,6 +129,7 @@ std::unique_ptr<RememberedBatch> BatchRecorder::finish(std::span<const IndirectP
     for (const CachePoint* const point : looked_at) {
         const CoverablePoint at(*point);
         to.looked_at.push_back({at, point->covered_now});
+        to.any_covered = to.any_covered || point->covered_now;
         to.region.add(Box3{at.origin - at.reach, at.origin + at.reach});
     }
     // Leave out what is computed anew.

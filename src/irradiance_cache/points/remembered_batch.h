@@ -6,8 +6,8 @@
 // weights: levels of the lattice, what separates lattice points from a surface point, and near-field points depend on
 // nothing that moves. So a frame needs neither look-ups nor weights again, but sums the present light of these cache
 // points, in the same order. Surface points that take light from parts are computed anew, because which parts they take
-// depends on the light (interpolator.h); so are those on dynamic objects. Where dynamic objects may cover lattice
-// points, nothing is remembered.
+// depends on the light (interpolator.h); so are those on dynamic objects. A batch holds as long as dynamic objects
+// cover the same of its lattice points, because covered ones have no weight.
 //
 // Pointers to cache points stay valid as long as the batch is shaded in every frame, because the table keeps the points
 // of the last frame (point_table.h).
@@ -56,6 +56,7 @@ struct RememberedBatch {
     };
     std::vector<Looked> looked_at;   // lattice points, those that do not contribute too
     Box3 region;                     // around all that they reach
+    bool any_covered = false;        // of them
     std::vector<CachePoint*> cached;
     std::vector<glm::vec3> normals;   // of surface points
     std::vector<Cell> cells;
