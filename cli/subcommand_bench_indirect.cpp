@@ -68,6 +68,7 @@ bench::IndirectBenchOptions options_of(const options::OptionValues& values, cons
     options.spp = values.integer("spp");
     options.bounces = values.integer("bounces");
     options.judged = values.integer("judged");
+    options.grid = std::stoi(values.text("judged-every"));
     options.reference_cache = values.text("keep-references");
     options.images = values.given("report");
     options.image_spp = std::max(k_least_image_paths, options.spp / k_image_paths_divisor);

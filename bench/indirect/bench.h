@@ -31,8 +31,8 @@ struct IndirectBenchOptions {
     int spp = 4096;            // paths per point of a reference
     int bounces = 1;           // of its paths
     int judged = 4;            // number of frames with a reference
-    int grid = 8;              // spacing of the compared points, in pixels
-    int flicker_grid = 16;     // spacing of the points for flicker, in pixels; a multiple of `grid`
+    int grid = 8;              // spacing of the compared points, in pixels; divides the next
+    int flicker_grid = 16;     // spacing of the points for flicker, in pixels
     int view_steps = 8;        // steps of the camera path
     double view_turn = 2e-3;   // angle per step around the scene's centre, in radians
     double view_zoom = 2e-3;   // forward motion per step, as a fraction of the largest distance seen

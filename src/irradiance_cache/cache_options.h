@@ -33,7 +33,7 @@ struct CacheOptions {
     // Nodes of a longer cut whose visibility is tested (light_tree/tested_nodes.h): of lattice points, and of parts.
     // All of points on dynamic objects are.
     std::uint32_t tested = 512, tested_of_part = 128;
-    std::size_t sky_parts = 8;        // of a direction of the sky that lies at the edge of an opening
+    std::size_t sky_parts = 8;        // of a direction of the sky at the edge of an opening (points/point_light.cpp)
     std::size_t sky_of_parts = 256;   // directions of the sky for parts of static objects (points/sky_light.h)
     // Near field (near_field/near_light.h): its radius, in mean widths of leaves of the light tree, and in widths of
     // the leaf at the lit place if that is less; and the spacing of lattice points, in radii, up to which near-field

@@ -59,7 +59,7 @@ IrradianceCache::IrradianceCache(const scene::SceneState& state, const ray::RayS
     : options_(options),
       lights_(state, rays, options.light_tree, tasks),
       sky_(state.scene().background, k_sky_directions, options.sky_parts),
-      sky_of_parts_(state.scene().background, options.sky_of_parts),
+      sky_of_parts_(state.scene().background, options.sky_of_parts, options.sky_parts),
       casters_(state),
       triangles_(state.scene()),
       near_field_(options_),

@@ -349,6 +349,10 @@ constexpr Option k_options[] = {
      .subcommands = bit(bench_indirect), .group = k_reference, .help = "paths per point of the reference"},
     {.name = "judged", .argument = "N", .kind = Kind::integer, .fallback = "4", .range = {1, 1000},
      .subcommands = bit(bench_indirect), .group = k_reference, .help = "number of frames in the range that are compared with a reference"},
+    {.name = "judged-every", .argument = "PIXELS", .kind = Kind::choice, .fallback = "8", .choices = "1|2|4|8|16",
+     .subcommands = bit(bench_indirect), .group = k_reference,
+     .help = "pixels from one compared point to the next; blocks of 32 x 32 pixels hold 16 points if it is 8, and 256 "
+             "if it is 2"},
     {.name = "keep-references", .argument = "DIR", .kind = Kind::text, .subcommands = bit(bench_indirect),
      .group = k_reference, .help = "folder in which references are kept and reused"},
     {.name = "bounces", .argument = "N", .kind = Kind::integer, .fallback = "1", .range = ranges::bounces,

@@ -135,6 +135,19 @@ TEST(BenchIndirect, AnImagesLightIsHeldAgainstTheImage)
     EXPECT_NEAR(row["energy_ratio"].get<double>(), 1, 0.05);
 }
 
+TEST(BenchIndirect, ComparesPointsAsFarApartAsAsked)
+{
+    const auto points = [](const char* every) {
+        const Outcome outcome = run({"bench", "indirect", "builtin:cornell", "--frames", "1-1", "--size", "64x64",
+                                     "--spp", "4", "--judged", "1", "--judged-every", every, "--json"});
+        EXPECT_EQ(outcome.code, 0) << outcome.err;
+        return outcome.json()["points"].get<int>();
+    };
+    EXPECT_EQ(points("8"), 64);
+    EXPECT_EQ(points("2"), 1024);
+    expect_failure(run({"bench", "indirect", "builtin:cornell", "--judged-every", "3"}), 2, "--judged-every");
+}
+
 TEST(BenchIndirect, RefusesUnknownMethods)
 {
     for (const char* method : {"guess", "visible:3", "quadtree", "rsm"})

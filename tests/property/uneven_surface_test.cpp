@@ -106,6 +106,26 @@ Scene eaves()
     return wall_of(profile);
 }
 
+// Leaves close above a floor, as wide as cache points are apart, which therefore lie on the leaves.
+Scene below_leaves()
+{
+    constexpr int k_leaves = 3;
+    constexpr float k_half = 1, k_wide = 0.3f, k_height = 0.05f;
+    scene::Mesh mesh;
+    const auto add = [&](const glm::vec3& at, float half) {
+        const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+        for (const glm::vec2 to : {glm::vec2(-1, 1), glm::vec2(1, 1), glm::vec2(1, -1), glm::vec2(-1, -1)})
+            mesh.positions.push_back(at + half * glm::vec3(to.x, 0, to.y));
+        mesh.triangles.emplace_back(first, first + 1, first + 2),
+            mesh.triangles.emplace_back(first, first + 2, first + 3);
+    };
+    add({0, 0, 0}, k_half);
+    for (int i = 0; i < k_leaves; ++i)
+        for (int k = 0; k < k_leaves; ++k)
+            add({0.5f * (static_cast<float>(i) - 1), k_height, 0.5f * (static_cast<float>(k) - 1)}, k_wide / 2);
+    return under_sky(std::move(mesh), {2.5, 2.5, 0.7});
+}
+
 // A floor, half of it below a low roof: the sky's light ends within the spacing of cache points.
 Scene below_a_roof()
 {
@@ -198,6 +218,16 @@ TEST(UnevenSurface, TheSkysLightEndsWhereARoofBegins)
     EXPECT_GT(floor.count, 0.02 * k_size * k_size);
     // The light changes sixfold within a spacing. .80 if a level stands for it that has a finer one below it.
     EXPECT_LT(floor.nrmse, 0.75);
+}
+
+TEST(UnevenSurface, LeavesShadeTheFloorBelowThem)
+{
+    const Compared floor = compare(below_leaves(), 0.75f);
+    EXPECT_GT(floor.count, 0.02 * k_size * k_size);
+    // .67 and 1.59 if the floor below takes its light from cache points around the leaves. The shadow is wider than
+    // they show.
+    EXPECT_LT(floor.nrmse, 0.55);
+    EXPECT_LT(floor.energy, 1.5);
 }
 
 }   // namespace

@@ -99,7 +99,9 @@ void Interpolator::blend_level(const CacheFrame& frame, std::span<const Indirect
         // Leave to the next level, if there is one, what comes from points whose light changes too much within a
         // spacing.
         weight *= 1 - steep_[k];
-        // Leave to the next level, too, what is less even than the spacing can show.
+        // Leave to the next level, too, what lacks cache points because they lie on something above it, and what is
+        // less even than the spacing can show.
+        weight *= 1 - lacks_below(work.cells[request.cell], point, work.lattice_points, k);
         weight *= 1 - uneven.fraction;
         // Leave to the next level of the lattice, if there is one, what differs too much between the points of this
         // one.
@@ -158,6 +160,26 @@ Arriving Interpolator::around_part(const CacheFrame& frame, const IndirectPoint&
     if (deferred && !work.deferred.empty()) work.deferred[request.point] = 1;
     if (!deferred || request.fallback.light != glm::vec3(0)) return request.fallback;
     return {frame.rough.at(point.position, point.normal), 0};
+}
+
+// How much of the bilinear weight at a surface point a cell lacks because its cache points lie on something close above
+// the surface, such as a leaf or a plinth: what is below that is not lit like what is around it.
+float Interpolator::lacks_below(const CollectedCell& cell, const IndirectPoint& point, const LatticePoints& at,
+                                std::size_t k) const
+{
+    constexpr float k_above = 0.02f, k_below = 1;   // spacings
+    if (!(light_.weight[k] < 1)) return 0;
+    const float spacing = spacing_of(cell.level), x = at.fx[k], y = at.fy[k];
+    const CellAnchors& anchors = cell.anchors;
+    const glm::vec3 &p = point.position, &n = point.geometric_normal;
+    float lacks = 0;
+    for (int i = 0; i < 4; ++i) {
+        if (light_.weight_of[i][k] > 0) continue;
+        const float height = (anchors.x[i] - p.x) * n.x + (anchors.y[i] - p.y) * n.y + (anchors.z[i] - p.z) * n.z;
+        if (!(height > k_above * spacing && height < k_below * spacing)) continue;
+        lacks += (i & 1 ? x : 1 - x) * (i >> 1 ? y : 1 - y);
+    }
+    return lacks;
 }
 
 // How much of a surface point's light a cell cannot show, 0 to 1, because the surface rises and falls in between.

@@ -44,6 +44,8 @@ class Interpolator {
                                 BatchWork& work, glm::vec3* irradiance);
     static Arriving around_part(const CacheFrame& frame, const IndirectPoint& point, const PartRequest& request,
                                 BatchWork& work);
+    float lacks_below(const CollectedCell& cell, const IndirectPoint& point, const LatticePoints& at,
+                      std::size_t k) const;
     static float difference(const CollectedCell& cell, const LatticeLight& light, std::size_t k);
     struct Unevenness {
         float fraction = 0;

@@ -26,6 +26,18 @@ bool above(const CachePoint& point, const glm::vec3& direction)
     return glm::dot(direction, point.horizon) > 0 && glm::dot(direction, point.normal) > 0;
 }
 
+// The directions of the sky that a point divides: those at the edges of openings. Lattice points divide all of them,
+// because the edges would show as bands. Others do where they see so little that whole directions would err by more.
+SkyMask divided_at_edges(const SkyLight& sky, const CachePoint& point, const SkyMask& all, const SkyMask& seen)
+{
+    constexpr float k_error = 0.2f;   // of what is seen: half of each direction at an edge, as if by chance
+    if (!sky.divides()) return {};
+    const SkyMask edges = sky.edges(all, seen);
+    if (is_lattice(point.key)) return edges;
+    const auto directions = static_cast<float>(seen.common(seen)), at_edges = static_cast<float>(edges.common(edges));
+    return at_edges > 4 * k_error * k_error * directions * directions ? edges : SkyMask{};
+}
+
 // The directions of the sky that light a point.
 const SkyLight& sky_over(const CacheFrame& frame, const CachePoint& point)
 {
@@ -326,7 +338,7 @@ void StaticVisibility::see_sky(const CacheFrame& frame, const OcclusionTester& t
             if (!occluded_[next++]) seen.set(i);
         }
         added.sky_above = all, added.sky_seen = seen;
-        added.sky_edges = sky.divides() && is_lattice(point.key) ? sky.edges(all, seen) : SkyMask{};
+        added.sky_edges = divided_at_edges(sky, point, all, seen);
         point.sky = seen.without(added.sky_edges);
         next = first;
         all.for_each([&](std::size_t i) {
@@ -344,7 +356,7 @@ std::ptrdiff_t StaticVisibility::divide_sky(const CacheFrame& frame, const Occlu
     rays_.clear();
     for (const Added& added : added_)
         added.sky_edges.for_each([&](std::size_t i) {
-            for (const SkyLight::Part& part : frame.sky.parts(i))
+            for (const SkyLight::Part& part : sky_over(frame, *added.point).parts(i))
                 rays_.push(added.point->origin(), 0, part.direction, k_infinity);
         });
     const bool thins = test_sky(frame, tester, passes_, counters);
@@ -352,32 +364,33 @@ std::ptrdiff_t StaticVisibility::divide_sky(const CacheFrame& frame, const Occlu
     std::size_t next = 0;
     for (Added& added : added_) {
         CachePoint& point = *added.point;
+        const SkyLight& sky = sky_over(frame, point);
         more -= static_cast<std::ptrdiff_t>(point.divided_sky.size());
         std::vector<DividedDirection> divided;
         const std::size_t first = next;
         added.sky_edges.for_each([&](std::size_t i) {
             DividedDirection direction{static_cast<std::uint16_t>(i), 0};
-            const std::span<const SkyLight::Part> parts = frame.sky.parts(i);
+            const std::span<const SkyLight::Part> parts = sky.parts(i);
             for (std::size_t k = 0; k < parts.size(); ++k)
                 if (!occluded_[next++] && above(point, parts[k].direction))
                     direction.seen = static_cast<std::uint16_t>(direction.seen | (1u << k));
             divided.push_back(direction);
         });
-        frame.sky.take_back(added.sky_above, added.sky_seen, divided);
+        sky.take_back(added.sky_above, added.sky_seen, divided);
         // Add the light of the parts, and of the directions that are not divided after all.
         std::size_t kept = 0;
         next = first;
         added.sky_edges.for_each([&](std::size_t i) {
-            const std::span<const SkyLight::Part> parts = frame.sky.parts(i);
+            const std::span<const SkyLight::Part> parts = sky.parts(i);
             const std::size_t ray = next;
             next += parts.size();
             const bool whole = kept == divided.size() || divided[kept].direction != i;
             const std::uint16_t seen = whole ? 0 : divided[kept++].seen;
             if (whole && added.sky_seen.test(i)) {
                 point.sky.set(i);
-                glm::vec3 light = frame.sky.light(i);
+                glm::vec3 light = sky.light(i);
                 if (thins) light *= sky_passes_[added.sky_ray + added.sky_above.rank(i)];
-                add_sky(added, light, frame.sky.direction(i));
+                add_sky(added, light, sky.direction(i));
             }
             for (std::size_t k = 0; k < parts.size(); ++k)
                 if ((seen >> k) & 1)
