@@ -34,6 +34,8 @@ using ImageIds = Image<std::uint32_t>;
 /// sRGB encoding of linear light and its inverse (IEC 61966-2-1).
 float srgb_from_linear(float linear);
 float linear_from_srgb(float encoded);
+/// The nearest code of 8-bit sRGB, by a table of where codes begin: 0 below 0, 255 from 1 on.
+std::uint8_t srgb8_from_linear(float linear);
 /// The linear values of the 256 codes of 8-bit sRGB.
 const float* linear_from_srgb8();
 

@@ -47,6 +47,13 @@ class MemoryBudget {
     /// @throws InputError  they cannot be halved so far
     void make_room(std::uint64_t bytes, SharedList<Texture>& textures, const Asker& asker);
 
+    /// Whether so many bytes are left beside what was taken and all textures, without halving one.
+    bool has_room(std::uint64_t bytes) const
+    {
+        const std::uint64_t used = taken_ + in_textures_;
+        return used <= bytes_ && bytes <= bytes_ - used;
+    }
+
     /// The texture that the image of an expected one becomes. Threads may make different ones.
     Texture make(Expected texture, std::string name, const Image8& image, bool srgb, const Sampler& sampler,
                  bool without_alpha = false) const;

@@ -23,8 +23,8 @@ inline glm::vec4 decode(const std::uint8_t* p, bool srgb)
 
 std::uint8_t encode8(float value, bool srgb)
 {
-    const float encoded = srgb ? srgb_from_linear(value) : value;
-    return static_cast<std::uint8_t>(std::clamp(encoded * 255.0f + 0.5f, 0.0f, 255.0f));
+    if (srgb) return srgb8_from_linear(value);
+    return static_cast<std::uint8_t>(std::clamp(value * 255.0f + 0.5f, 0.0f, 255.0f));
 }
 
 constexpr std::size_t k_rgba = 4;

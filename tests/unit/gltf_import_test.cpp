@@ -202,6 +202,86 @@ TEST(GltfImport, ReadsMaterialsTexturesAndExtensions)
     EXPECT_TRUE(s.warnings.empty()) << s.warnings.front();
 }
 
+// Images are decoded several at a time, some before a material asks for them.
+class GltfImages : public testing::Test {
+ protected:
+    static constexpr int k_images = 40;
+    // Materials with two images each, used by meshes from the last one on, but for material 3.
+    scene::Scene load(const io::ReadOptions& options = {})
+    {
+        const int p = d_.positions({0, 0, 0, 1, 0, 0, 0, 1, 0});
+        const int uv = d_.floats({0, 0, 1, 0, 0, 1}, "VEC2", 2);
+        std::string parts, images, textures, materials;
+        for (int i = 0; i < k_images; ++i) {
+            const char* const comma = i ? "," : "";
+            images += fmt::format(R"({}{{"uri":"{}.png"}})", comma, i);
+            textures += fmt::format(R"({}{{"source":{}}})", comma, i);
+        }
+        for (int m = 0; m < k_images / 2; ++m) {
+            const int last = k_images / 2 - 1 - m;
+            if (last != 3)
+                parts += fmt::format(R"({}{{"attributes":{{"POSITION":{},"TEXCOORD_0":{}}},"material":{}}})",
+                                     m ? "," : "", p, uv, last);
+            materials += fmt::format(R"({}{{"name":"{}","pbrMetallicRoughness":{{"baseColorTexture":{{"index":{}}}}},
+                            "normalTexture":{{"index":{}}}}})",
+                                     m ? "," : "", m, 2 * m, 2 * m + 1);
+        }
+        return d_.load(one_mesh(parts) + fmt::format(R"(,"images":[{}],"textures":[{}],"materials":[{}])", images,
+                                                     textures, materials),
+                       "", options);
+    }
+    std::filesystem::path file(int image) { return d_.folder() / fmt::format("{}.png", image); }
+    void SetUp() override
+    {
+        for (int i = 0; i < k_images; ++i) {
+            Image8 image(3 + i, 2, 3);
+            std::fill(image.data.begin(), image.data.end(), static_cast<std::uint8_t>(5 * i));
+            io::write_png(file(i), image);
+        }
+    }
+    static void expect_images(const scene::Scene& s)
+    {
+        ASSERT_EQ(s.materials.size(), std::size_t{k_images / 2 - 1});
+        for (const scene::Material& material : s.materials) {
+            const int first = 2 * std::stoi(material.name);
+            const scene::Texture &color = s.textures[material.base_color_texture.texture],
+                                 &normal = s.textures[material.normal_texture.texture];
+            EXPECT_EQ(color.width(), 3 + first);
+            EXPECT_EQ(color.levels()[0].data[0], 5 * first);
+            EXPECT_EQ(normal.width(), 4 + first);
+            EXPECT_EQ(normal.levels()[0].data[0], 5 * (first + 1));
+        }
+    }
+    Document d_;
+};
+
+TEST_F(GltfImages, DecodedAheadAreThoseOfTheirTextures)
+{
+    expect_images(load());
+}
+
+TEST_F(GltfImages, AreDecodedOneByOneIfThereIsLittleMemory)
+{
+    scene::Scene most = load();
+    std::uint64_t bytes = 0;
+    for (const scene::Texture& texture : most.textures)
+        for (const Image8& level : texture.levels()) bytes += level.data.size();
+    for (const std::uint64_t more : {150'000, 300'000, 1'000'000}) expect_images(load({.memory = bytes + more}));
+}
+
+TEST_F(GltfImages, AreRefusedAtTheirPlaceIfBroken)
+{
+    const std::uintmax_t size = std::filesystem::file_size(file(20));
+    std::filesystem::resize_file(file(20), size - 20);
+    std::filesystem::resize_file(file(6), 8);   // not used
+    try {
+        load();
+        FAIL() << "a broken image was read";
+    } catch (const InputError& error) {
+        EXPECT_NE(std::string(error.what()).find("/images/20"), std::string::npos) << error.what();
+    }
+}
+
 // The alpha of an opaque material has no effect, and must not weight the colours in coarser mipmap levels.
 TEST(GltfImport, UnusedAlphaDoesNotWeightMipmaps)
 {

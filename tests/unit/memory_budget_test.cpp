@@ -103,6 +103,21 @@ TEST(MemoryBudget, MakesRoomForWhatIsNeededForAMoment)
     EXPECT_THROW(budget.make_room(99'998, textures, k_asker), InputError) << "a texel cannot be halved";
 }
 
+TEST(MemoryBudget, HasRoomForWhatFitsBesideAllTextures)
+{
+    MemoryBudget budget(100'000);
+    SharedList<Texture> textures;
+    EXPECT_TRUE(budget.has_room(100'000));
+    EXPECT_FALSE(budget.has_room(100'001));
+    budget.take(10'000, textures, k_asker);
+    EXPECT_TRUE(budget.has_room(90'000));
+    EXPECT_FALSE(budget.has_room(90'001));
+    add(budget, textures, 64);
+    EXPECT_TRUE(budget.has_room(90'000 - bytes_of(textures)));
+    EXPECT_FALSE(budget.has_room(90'001 - bytes_of(textures)));
+    EXPECT_EQ(textures[0].width(), 64);
+}
+
 TEST(MemoryBudget, ForgetsTexturesThatAreLeftOut)
 {
     MemoryBudget budget(120'000);

@@ -55,6 +55,8 @@ class Materials {
     DecodedImage& known_image(Index image);
     const Image8& decoded_image(Index image);
     void decode(Index image, std::span<const std::uint8_t> bytes, std::uint64_t most_pixels);
+    bool is_at_hand(Index image) const;
+    void decode_ahead(Index image, std::span<const std::uint8_t> bytes, std::uint64_t needed);
     void release_images();
     void make_room(std::uint64_t bytes, const std::string& pointer, const char* what);
     scene::TextureId add_texture(std::string name, const Image8& image, bool srgb, const scene::Sampler& sampler,
@@ -72,6 +74,9 @@ class Materials {
     std::vector<Index> first_;                 // by image, filled on first use
     std::map<Index, DecodedImage> images_;     // by first image, like the textures
     std::uint64_t decoded_bytes_ = 0;          // of images_
+    std::map<Index, Image8> ahead_;            // images that no material has asked for yet
+    std::uint64_t ahead_bytes_ = 0;            // of these
+    std::size_t next_ahead_ = 0;               // material whose images are looked at next for that
     std::map<std::tuple<Index, int, int, int, int, bool, bool>, scene::TextureId> textures_;
 };
 

@@ -2,10 +2,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 
+#include "base/tasks.h"
 #include "gnomon/error.h"
 #include "io/gltf/build.h"
+#include "io/gltf/image_header.h"
 #include "io/gltf/specular_glossiness.h"
 #include "io/image/image_file.h"
 #include "scene/material_layers.h"
@@ -13,64 +14,6 @@
 namespace gnomon::io::gltf {
 
 namespace {
-
-enum class ImageFormat : std::uint8_t { png, jpeg, webp, other };
-
-ImageFormat format_of(std::span<const std::uint8_t> bytes)
-{
-    constexpr std::uint8_t png[] = {0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a};
-    constexpr std::uint8_t jpeg[] = {0xff, 0xd8, 0xff};
-    const auto begins = [&](std::span<const std::uint8_t> magic) {
-        return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
-    };
-    constexpr std::uint8_t riff[] = {'R', 'I', 'F', 'F'}, webp[] = {'W', 'E', 'B', 'P'};
-    if (begins(riff) && bytes.size() >= 12 && std::memcmp(bytes.data() + 8, webp, sizeof webp) == 0)
-        return ImageFormat::webp;
-    return begins(png) ? ImageFormat::png : begins(jpeg) ? ImageFormat::jpeg : ImageFormat::other;
-}
-
-constexpr int k_max_checked = 1000;   // chunks or markers to check in an unused image
-
-// Returns the fault of an image up to where its pixels begin, or an empty string.
-std::string header_fault(std::span<const std::uint8_t> b)
-{
-    const auto u16 = [&](std::size_t i) { return static_cast<std::size_t>(b[i]) << 8 | b[i + 1]; };
-    const char* ends = "the image ends within its header";
-    // Walk the chunks of a PNG up to the first IDAT.
-    if (format_of(b) == ImageFormat::png) {
-        int chunks = 0;
-        for (std::size_t i = 8; i + 8 <= b.size() && ++chunks <= k_max_checked;) {
-            const std::size_t length = u16(i) << 16 | u16(i + 2);
-            if (std::memcmp(&b[i + 4], "IDAT", 4) == 0) return {};
-            if (i == 8 && (std::memcmp(&b[i + 4], "IHDR", 4) != 0 || length != 13))
-                return "the PNG has no proper header";
-            constexpr std::size_t around = 12;   // length, type and checksum of a chunk
-            if (length > b.size() - i - 8) return ends;
-            i += length + around;
-        }
-        return chunks > k_max_checked ? "" : ends;
-    }
-    // Walk the markers of a JPEG up to the frame header.
-    if (format_of(b) == ImageFormat::jpeg) {
-        int markers = 0;
-        for (std::size_t i = 2; i + 4 <= b.size() && ++markers <= k_max_checked;) {
-            if (b[i] != 0xff) return "the JPEG's markers are broken";
-            const std::uint8_t marker = b[i + 1];
-            if (marker == 0xff) {
-                ++i;   // fill byte
-                continue;
-            }
-            const std::size_t length = u16(i + 2);
-            if (length < 2) return "a JPEG marker's length is too small";
-            const bool frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
-            if (i + 2 + length > b.size()) return ends;
-            if (frame) return length < 8 ? "a JPEG frame header is too short" : "";
-            i += 2 + length;
-        }
-        return markers > k_max_checked ? "" : ends;
-    }
-    return {};
-}
 
 // A use of a texture without the texture: which coordinates, and how they are transformed.
 scene::TextureUse place_of(const TextureInfo& info)
@@ -193,13 +136,103 @@ void Materials::decode(Index index, std::span<const std::uint8_t> bytes, std::ui
     limits.max_pixels = std::min(limits.max_pixels, most_pixels);
     try {
         const ImageNeeds needs = image_needs(bytes, here, limits);
+        const bool first = image.width == 0;
+        if (first && !ahead_.contains(index)) decode_ahead(index, bytes, needs.bytes + bytes.size());
         make_room(needs.bytes + bytes.size(), here, "the image");
-        image.image = decode_image(bytes, here, limits);
+        if (auto known = ahead_.extract(index)) {
+            image.image = std::move(known.mapped());
+            ahead_bytes_ -= image.image.data.size();
+        } else {
+            image.image = decode_image(bytes, here, limits);
+        }
     } catch (const InputError& error) {
         context_.fail(here, error.problem());
     }
     image.width = image.image.width, image.height = image.image.height, image.channels = image.image.channels;
     decoded_bytes_ += image.image.data.size();
+}
+
+// Whether an image can be read without a repair or a warning.
+bool Materials::is_at_hand(Index index) const
+{
+    const Image& image = model_.images[index];
+    if (image.view != k_absent) return !data_.view_bytes(image.view).empty();
+    if (!image.uri) return false;
+    if (image.uri->starts_with("data:")) return true;
+    bool missing = false;
+    return !data_.resource_file(*image.uri, at(at("/images", index), "uri"), missing).empty() && !missing;
+}
+
+// Decodes an image, and in parallel the next ones that materials will ask for, as far as there is plenty of memory for
+// it. What is wrong with one of them is found when it is asked for.
+// @param needed  bytes that decoding the image takes
+void Materials::decode_ahead(Index index, std::span<const std::uint8_t> bytes, std::uint64_t needed)
+{
+    constexpr std::size_t k_images = 16, k_tries = 64;
+    constexpr std::uint64_t k_bytes = 256ull << 20;
+    struct Job {
+        Index image;
+        std::vector<std::uint8_t> own;
+        std::span<const std::uint8_t> bytes;
+        Image8 decoded;
+    };
+    ImageLimits limits;
+    limits.stored_values = true;
+    std::vector<Job> jobs;
+    jobs.push_back({index, {}, bytes, {}});
+    std::uint64_t pixels = 0;
+    std::size_t tries = 0;
+    // Adds a job for a texture's image. Returns whether the image need not be looked at again.
+    const auto consider = [&](const TextureInfo& info) {
+        if (info.texture == k_absent) return true;
+        const Index source = model_.textures[info.texture].source;
+        if (source == k_absent) return true;
+        try {
+            if (!is_at_hand(source)) return true;
+            const Index image = first_of(source);
+            const auto known = images_.find(image);
+            if ((known != images_.end() && known->second.read) || ahead_.contains(image)) return true;
+            if (std::ranges::any_of(jobs, [&](const Job& job) { return job.image == image; })) return true;
+            if (jobs.size() == k_images || ++tries > k_tries) return false;
+            Job job{image, {}, {}, {}};
+            if (const Index view = model_.images[image].view; view != k_absent)
+                job.bytes = data_.view_bytes(view);
+            else
+                job.bytes = job.own = bytes_of(image).value_or(std::vector<std::uint8_t>());
+            if (format_of(job.bytes) == ImageFormat::other) return true;
+            const ImageNeeds needs = image_needs(job.bytes, "", limits);
+            const auto size = static_cast<std::uint64_t>(needs.width) * static_cast<std::uint64_t>(needs.height);
+            const std::uint64_t more = needs.bytes + job.bytes.size();
+            if (more > k_bytes || size > pixels_left_) return true;
+            const std::uint64_t all = needed + more + ahead_bytes_;
+            if (all > k_bytes || !context_.memory.has_room(decoded_bytes_ + 2 * all)) return false;
+            if (pixels + size > pixels_left_) return false;
+            needed += more, pixels += size;
+            jobs.push_back(std::move(job));
+        } catch (const InputError&) {
+            return true;
+        }
+        return true;
+    };
+    // Collect images of the materials that follow.
+    for (; next_ahead_ < model_.materials.size(); ++next_ahead_) {
+        const Material& m = model_.materials[next_ahead_];
+        if (!(consider(m.base_color_texture) && consider(m.metallic_roughness_texture) && consider(m.normal_texture) &&
+              consider(m.emissive_texture)))
+            break;
+    }
+    if (jobs.size() == 1) return;
+    Tasks().for_each(jobs.size(), [&](std::size_t i, int) {
+        try {
+            jobs[i].decoded = decode_image(jobs[i].bytes, "", limits);
+        } catch (const InputError&) {
+        }
+    });
+    for (Job& job : jobs) {
+        if (job.decoded.empty()) continue;
+        ahead_bytes_ += job.decoded.data.size();
+        ahead_.emplace(job.image, std::move(job.decoded));
+    }
 }
 
 // The pixels of an image that is usable. A released one is decoded again.
@@ -216,6 +249,11 @@ const Image8& Materials::decoded_image(Index index)
 // Makes room for `bytes` that are needed for a moment beside the images that are decoded.
 void Materials::make_room(std::uint64_t bytes, const std::string& pointer, const char* what)
 {
+    // What was decoded ahead does not ask for room.
+    if (ahead_bytes_ > 0 && !context_.memory.has_room(decoded_bytes_ + ahead_bytes_ + bytes)) {
+        ahead_.clear();
+        ahead_bytes_ = 0;
+    }
     context_.memory.make_room(decoded_bytes_ + bytes, out_.textures, {context_.file(), pointer, what});
 }
 
@@ -256,6 +294,8 @@ void Materials::check_unused()
         if (!fault.empty()) context_.fail(at("/images", i), fault);
     }
     images_.clear();
+    ahead_.clear();
+    ahead_bytes_ = 0;
 }
 
 const Materials::DecodedImage* Materials::known_image_for(const TextureInfo& info, const std::string& pointer)
