@@ -992,4 +992,12 @@ MUTATIONS = (
     row("slant-equal-shares", "environment_light", "all directions of a lobe at a slant weigh alike",
         "src/environment_light/lobe_tables.cpp", "place.part * (1 + of_viewer) /", "(1 + of_viewer) /",
         "property:LobeTables.*"),
+    row("no-grace", "irradiance_cache", "an update that is asked to stop discards all cached light",
+        "src/irradiance_cache/irradiance_cache.cpp", "if (!first) grace.emplace(k_grace);", "",
+        "property:Interruption.WhileLightFollowsKeepsTheLight"),
+    row("grace-lost", "base", "work that goes on for a while can no longer be stopped afterwards",
+        "src/base/interruption.cpp", "if (Clock::now() - *since < most) return true;", "if (*since < Clock::now()) return true;",
+        "unit:Interruption.GraceDelaysAStop"),
+    row("fine-at-a-jump", "viewer", "the first image of another view is as fine as those of the view before",
+        "viewer/motion_size.cpp", "level_ = k_divisors.size() - 1;", "", "unit:MotionSize.FollowsTheTimeThatImagesTake"),
 )

@@ -2,6 +2,7 @@
 #include "viewer/motion_size.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace gnomon::viewer {
 
@@ -30,7 +31,11 @@ void MotionSize::add(int divisor, const Cost& cost, double target_ms)
         while (level_ + 1 < k_divisors.size() && expected(level_) > allowed) ++level_;
         return;
     }
-    // Finer step by step, and only where one image was no exception.
+    // After the first image, as fine as it takes; later step by step, and only where one image was no exception.
+    if (std::exchange(first_, false)) {
+        while (level_ > 0 && expected(level_ - 1) <= fixed + k_spare * (allowed - fixed)) --level_;
+        return;
+    }
     if (level_ == 0 || expected(level_ - 1) > fixed + k_spare * (allowed - fixed)) {
         calm_ = 0;
         return;
@@ -38,6 +43,14 @@ void MotionSize::add(int divisor, const Cost& cost, double target_ms)
     if (++calm_ < k_calm) return;
     calm_ = 0;
     --level_;
+}
+
+void MotionSize::restart()
+{
+    level_ = k_divisors.size() - 1;
+    calm_ = late_ = 0;
+    first_ = true;
+    rays_ = std::min(rays_, k_first_rays);
 }
 
 }   // namespace gnomon::viewer

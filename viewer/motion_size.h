@@ -28,7 +28,7 @@ class MotionSize {
     static constexpr int k_late = 2;         // images in a row that take too long, until the next one is coarser,
     static constexpr double k_much = 1.5;    // unless one takes this much of the allowed time
     static constexpr double k_light = 0.3;   // of the allowed time: for bounced light
-    static constexpr std::uint64_t k_fewest_rays = 1u << 11, k_most_rays = 1u << 17;
+    static constexpr std::uint64_t k_fewest_rays = 1u << 11, k_most_rays = 1u << 17, k_first_rays = 1u << 14;
     /// Width and height of an image in motion are those of the view divided by one of these.
     static constexpr std::array k_divisors{1, 2, 3, 4, 6, 8, 12};
 
@@ -47,11 +47,15 @@ class MotionSize {
     /// Notes what an image took. One of another size than that of now is left out.
     /// @param target_ms  that an image should take
     void add(int divisor, const Cost& cost, double target_ms);
+    /// The next image shows something else, so that nothing is known of what it takes: it is coarse, and what it takes
+    /// tells how fine the one after it is.
+    void restart();
 
  private:
     std::size_t level_ = k_divisors.size() - 1;   // coarse, so that the first image is quick
     int calm_ = 0, late_ = 0;
-    std::uint64_t rays_ = 1u << 14;
+    bool first_ = true;   // no image yet since it began
+    std::uint64_t rays_ = k_first_rays;
 };
 
 }   // namespace gnomon::viewer

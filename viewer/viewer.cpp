@@ -91,7 +91,7 @@ void Viewer::Impl::frame(double seconds)
     if (events.scene_changed) session.load(settings.recipe(what));
     if (events.screenshot) screenshot();
     if (events.record) toggle_recording();
-    if (events.scene_camera) own_camera = false, dirty = true;
+    if (events.scene_camera) own_camera = false, dirty = view_jumped = true;
 
     // Draw the frame where it shows something new. Without a graphics card, drawing and rendering take turns on the
     // same cores: a new image is shown before the next one is requested.

@@ -53,7 +53,7 @@ void Viewer::Impl::take_scene()
     object_handles.forget();
     pick.reset();
     own_camera = false;
-    dirty = true;
+    dirty = view_jumped = true;
 }
 
 // Takes the session's latest image, and saves it if a screenshot or the recording was waiting for it.
@@ -150,6 +150,10 @@ void Viewer::Impl::ask()
     if (request.options.turntable_seconds > 0)
         request.turn = 2 * k_pi * ((playback.frame - 1) / playback.fps / request.options.turntable_seconds);
     request.whole = whole;
+    // What an image of another view takes is not known.
+    if (std::exchange(view_jumped, false) || request.options.camera != requested_camera)
+        motion_size.restart(), moving.clear();
+    requested_camera = request.options.camera;
     request.interruptible = sharper;
     request.early = !whole;
     request.urgent = other;

@@ -71,7 +71,9 @@ struct Viewer::Impl {
     Size video_size{};                                   // the view's size when the recording began
     std::optional<double> video_exposure;                // of the recording's first frame: stops
     bool dirty = true;
-    bool view_moved = false;           // the interactive camera moved since the last request
+    bool view_moved = false;    // the interactive camera moved since the last request,
+    bool view_jumped = false;   // or another view is shown
+    std::string requested_camera;
     std::uint64_t other_request = 0;   // the last one in which more changed than the interactive camera and the time
     std::vector<UserOverride> requested_overrides;
 

@@ -36,7 +36,7 @@ void Viewer::Impl::look_from(OrbitCamera::Side side)
     if (!own_camera) return;
     camera.look_from(side);
     camera.fit(image->bounds, view_size());
-    dirty = true;
+    dirty = view_jumped = true;
 }
 
 // The handles at the picked object; none while nothing is picked or the image is not of what the panel describes.
@@ -152,6 +152,7 @@ void Viewer::Impl::key(int which)
             break;
         case GLFW_KEY_C:
         case GLFW_KEY_ENTER:
+            view_jumped = own_camera;
             own_camera = false;
             dirty = true;
             break;
@@ -159,7 +160,7 @@ void Viewer::Impl::key(int which)
             if (!panel.picked || !panel.picked->instance) break;
             take_camera();
             camera.aim(panel.picked->position);
-            dirty = true;
+            dirty = view_jumped = true;
             break;
         case GLFW_KEY_O: {
             const char* const other =

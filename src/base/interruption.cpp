@@ -83,6 +83,23 @@ InterruptionScope::~InterruptionScope()
     t_current = before_;
 }
 
+InterruptionGrace::InterruptionGrace(std::chrono::milliseconds most)
+{
+    Interruption* const outer = Interruption::current();
+    if (!outer) return;
+    using Clock = std::chrono::steady_clock;
+    {
+        const InterruptionScope apart(nullptr);   // or a request to the outer one would stop this one at once
+        own_.emplace([outer, most, since = std::optional<Clock::time_point>()](const ProgressStep&) mutable {
+            if (!outer->requested()) return true;
+            if (!since) since = Clock::now();
+            if (Clock::now() - *since < most) return true;
+            outer->raise();
+        });
+    }
+    scope_.emplace(&*own_);
+}
+
 void report_progress(std::string_view stage, double done)
 {
     Interruption* const current = Interruption::current();

@@ -16,6 +16,7 @@
 #include <chrono>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <string_view>
 
 #include "gnomon/types.h"
@@ -72,6 +73,18 @@ class InterruptionScope {
 
  private:
     Interruption* const before_;
+};
+
+/// Lets the current work of this thread go on for a while after it is asked to stop, as long as the scope lasts: for
+/// work that is short, and that costs more to undo than to finish. What it reports is not passed on.
+class InterruptionGrace {
+ public:
+    /// @param most  from the request on; then the work stops
+    explicit InterruptionGrace(std::chrono::milliseconds most);
+
+ private:
+    std::optional<Interruption> own_;   // none: nothing can stop the work
+    std::optional<InterruptionScope> scope_;
 };
 
 /// @throws InterruptedError, or what the progress callback threw: the current work is to stop

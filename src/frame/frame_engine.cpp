@@ -194,6 +194,8 @@ FrameEngine::Plan FrameEngine::plan_for(const RenderOptions& o) const
 AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& scene, double time,
                                   const RenderOptions& options, const HostValues* host)
 {
+    // Stop before anything moves, if at all: caches that miss a movement are discarded.
+    interruption_point();
     DiscardOnFailure guard(*this);
     limit_ = MemoryLimit(static_cast<std::size_t>(options.memory) << 20);
     AdvanceTimes times;
@@ -248,7 +250,6 @@ AdvanceTimes FrameEngine::advance(const std::shared_ptr<const scene::Scene>& sce
         follow_emission();
         fit_caches(options);
         check_memory("the caches");
-        interruption_point();
     } catch (const InterruptedError&) {
         // A cache may have missed one of the shutter's times.
         if (posed_) discard_caches();
@@ -407,9 +408,10 @@ FrameCounters FrameEngine::render(const scene::View& view, const RenderRequest& 
     advanced_ = false;
     Interruption interruption(progress);
     const InterruptionScope scope(progress ? &interruption : Interruption::current());
+    const bool is_image_there = is_made(view, request);
+    if (is_image_there) interruption_point();   // nothing moved, so that nothing needs to be discarded
     DiscardOnFailure guard(*this);
-    if (is_made(view, request)) {
-        interruption_point();
+    if (is_image_there) {
         list_changes();
         times_ = {};
         has_frame_ = true;

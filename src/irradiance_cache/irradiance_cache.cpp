@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <optional>
 #include <unordered_map>
 
 #include "base/check.h"
+#include "base/interruption.h"
 #include "irradiance_cache/near_field/near_evaluator.h"
 #include "irradiance_cache/near_field/near_step.h"
 #include "irradiance_cache/points/collector.h"
@@ -42,6 +45,8 @@ struct IrradianceCache::Batch::Scratch {
 };
 
 namespace {
+
+constexpr std::chrono::milliseconds k_grace{80};   // for an update that is asked to stop
 
 std::uint64_t next_number()
 {
@@ -107,6 +112,9 @@ void IrradianceCache::update(const scene::SceneState& state, const ray::RayScene
     failure_.clear();
     const bool first = frame_.number++ == 0;
     const scene::FrameChanges& changes = state.changes();
+    // An update that stops half-way discards everything, which takes much longer to make again.
+    std::optional<InterruptionGrace> grace;
+    if (!first) grace.emplace(k_grace);
     // Follow the lights.
     if (!first) {
         casters_.update(state);

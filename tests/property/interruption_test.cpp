@@ -134,6 +134,24 @@ TEST(Interruption, OfATracedFrameKeepsTheTrees)
     EXPECT_EQ(&engine.rays(), rays);
 }
 
+// A frame that is interrupted while light follows what moved costs the next one no more than what moved.
+TEST(Interruption, WhileLightFollowsKeepsTheLight)
+{
+    const auto scene = std::make_shared<const scene::Scene>(scene::make_builtin("cornell"));
+    const RenderOptions options;
+    const Size size{128, 96};
+    frame::FrameEngine engine({.threads = 2});
+    engine.advance(scene, 0, options);
+    const std::uint64_t all = engine.render(engine.make_view(0, size), {}).indirect.rays;
+    const auto stop = [](const ProgressStep&) { return false; };
+    for (int frame = 1; frame <= 5; ++frame) {
+        engine.advance(scene, 0.04 * frame, options);
+        EXPECT_THROW(engine.render(engine.make_view(0, size), {}, stop), InterruptedError);
+        engine.advance(scene, 0.04 * frame, options);
+        EXPECT_LT(engine.render(engine.make_view(0, size), {}).indirect.rays, all / 2) << "frame " << frame;
+    }
+}
+
 TEST(Interruption, ACancelWithoutARenderHasNoEffect)
 {
     const Scene scene = load("builtin:cornell");

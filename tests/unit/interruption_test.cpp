@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <stdexcept>
 #include <string>
 #include <thread>
 
@@ -110,6 +112,41 @@ TEST(Interruption, StopsWithTheOneAround)
     EXPECT_NO_THROW(interruption_point());
     outer.request();
     EXPECT_THROW(interruption_point(), InterruptedError);
+}
+
+// Work with grace goes on for that long after a request, and then stops; what throws is what stopped it.
+TEST(Interruption, GraceDelaysAStop)
+{
+    using Clock = std::chrono::steady_clock;
+    constexpr std::chrono::milliseconds k_grace{40};
+    Interruption outer([](const ProgressStep&) -> bool { throw std::out_of_range("the host's own"); });
+    const InterruptionScope scope(&outer);
+    Clock::time_point start;
+    const auto work = [&] {
+        const InterruptionGrace grace(k_grace);
+        start = Clock::now();
+        Tasks tasks(2);
+        tasks.for_each(2, [&](std::size_t, int) {
+            while (Clock::now() - start < 10 * k_grace) interruption_point();
+        });
+    };
+    EXPECT_THROW(work(), std::out_of_range);
+    EXPECT_GE(Clock::now() - start, k_grace);
+    // Short work ends before, and what follows it stops.
+    const auto short_work = [&] {
+        const InterruptionGrace grace(10 * k_grace);
+        interruption_point();
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        interruption_point();
+    };
+    EXPECT_NO_THROW(short_work());
+    EXPECT_THROW(interruption_point(), std::out_of_range);
+}
+
+TEST(Interruption, GraceWithoutAnInterruptionDoesNothing)
+{
+    const InterruptionGrace grace(std::chrono::milliseconds(0));
+    EXPECT_NO_THROW(interruption_point());
 }
 
 TEST(Interruption, AScopeOfNoneRunsToItsEnd)

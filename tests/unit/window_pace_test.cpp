@@ -71,6 +71,11 @@ TEST(MotionSize, FollowsTheTimeThatImagesTake)
         return size.divisor();
     };
     EXPECT_EQ(settle(0, 5), 1) << "all pixels";
+    // Where something else is shown, the first image is coarse, and the second as fine as the first one allows.
+    size.restart();
+    EXPECT_EQ(size.divisor(), MotionSize::k_divisors.back());
+    size.add(size.divisor(), {.ms = 2}, MotionSize::k_held_ms);
+    EXPECT_EQ(size.divisor(), 4) << "18 ms, where 3 takes 32 of the 29.75 ms";
     const int coarse = settle(2, 600);
     EXPECT_LE(2 + 600.0 / (coarse * coarse), MotionSize::k_held_ms);
     EXPECT_GE(2 + 600.0 / ((coarse - 2) * (coarse - 2)), MotionSize::k_spare * MotionSize::k_held_ms - 2);
