@@ -1000,4 +1000,7 @@ MUTATIONS = (
         "unit:Interruption.GraceDelaysAStop"),
     row("fine-at-a-jump", "viewer", "the first image of another view is as fine as those of the view before",
         "viewer/motion_size.cpp", "level_ = k_divisors.size() - 1;", "", "unit:MotionSize.FollowsTheTimeThatImagesTake"),
+    row("reach-of-the-mean", "irradiance_cache", "near fields end before leaves that light grazes can tell surfaces apart",
+        "src/irradiance_cache/near_field/near_field.cpp", "{options_.near_reach * radius,", "{radius,",
+        "property:GrazingLight.OfACeilingLightsTheWallBelowItAsInTheReference"),
 )

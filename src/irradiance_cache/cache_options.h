@@ -35,10 +35,10 @@ struct CacheOptions {
     std::uint32_t tested = 512, tested_of_part = 128;
     std::size_t sky_parts = 8;        // of a direction of the sky at the edge of an opening (points/point_light.cpp)
     std::size_t sky_of_parts = 256;   // directions of the sky for parts of static objects (points/sky_light.h)
-    // Near field (near_field/near_light.h): its radius, in mean widths of leaves of the light tree, and in widths of
-    // the leaf at the lit place if that is less; and the spacing of lattice points, in radii, up to which near-field
-    // points are between them.
-    float near_radius = 2.8f, near_widths = 4, near_spacing = 1;
+    // Near field (near_field/near_light.h): its radius, in mean widths of leaves of the light tree; how far it reaches
+    // to wider leaves, in radii, and to any, in widths of the leaf at the lit place; and the spacing of lattice points,
+    // in radii, up to which near-field points are between them.
+    float near_radius = 2.8f, near_reach = 4, near_widths = 4, near_spacing = 1;
     float pixels_per_near = 2;           // spacing of near-field points,
     float pixels_per_near_cluster = 4;   // and of those that represent smaller triangles
     int near_rays = 64;

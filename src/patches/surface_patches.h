@@ -36,8 +36,8 @@ struct PatchOptions {
     std::size_t patches = 4096;   // aimed at, by one side of all surfaces
     std::size_t most = 32767;     // of both sides, at most, below 2^15; fewer are aimed at until they fit
     std::size_t most_cells = 16384;
-    float parts = 2;               // parts along a patch, at least
-    std::size_t places = 256;      // of a cell that are tested, at most
+    float parts = 3;               // parts along a patch, at least
+    std::size_t places = 512;      // of a cell that are tested, at most
     std::size_t kept = 12;         // places of a patch, at most
     int separated = 12;            // groups of places of a cell that see each other, at most
     float lift = 0.1f;             // height at which places of a cell see each other, in widths of a cube

@@ -127,7 +127,7 @@ bool StaticVisibility::is_surface_near(const CacheFrame& frame, const CachePoint
     short_rays_.clear();
     for (std::size_t i = step / 2; i < directions.size(); i += step) {
         const glm::vec3& d = directions[i];
-        short_rays_.push(point.origin(), 0, d.x * t + d.y * b + d.z * point.normal, light.options().radius);
+        short_rays_.push(point.origin(), 0, d.x * t + d.y * b + d.z * point.normal, frame.near_field.radius());
     }
     occluded_.resize(short_rays_.size() + ray::k_packet_pad);
     frame.rays->occluded(short_rays_, 0, short_rays_.size(), occluded_.data(), ray::Against::static_only);
@@ -149,7 +149,7 @@ void StaticVisibility::add(const CacheFrame& frame, CachePoint& point, std::span
     // Points on dynamic objects have the present near field, and none where no patch is within its radius.
     const NearOptions* near = &frame.near_field.light().options();
     if (point.owner != k_no_owner) {
-        if (nearest < near->radius && is_surface_near(frame, point))
+        if (nearest < frame.near_field.radius() && is_surface_near(frame, point))
             moving_.push_back(&point);
         else
             near = nullptr;
