@@ -30,7 +30,7 @@ constexpr double k_sum_tolerance = 1e-5;       // relative to the sum of all len
 constexpr double k_grazing_light = 1e-4, k_grazing_points = 0.01, k_grazing_change = 1e-3;
 // Relative to a frame's mean irradiance. Where rounding decides whether a node is divided, a cache point has another
 // cut, and the pixels around it differ by what the division changes.
-constexpr double k_light_tolerance = 2e-5, k_cut_tolerance = 1e-3;   // on average, at most
+constexpr double k_light_tolerance = 2e-5, k_cut_tolerance = 1.5e-3;   // on average, at most
 
 std::vector<CutRequest> some_requests(const World& world, std::size_t count)
 {
