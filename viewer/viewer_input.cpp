@@ -152,7 +152,7 @@ void Viewer::Impl::key(int which)
             break;
         case GLFW_KEY_C:
         case GLFW_KEY_ENTER:
-            view_jumped = own_camera;
+            view_jumped = view_jumped || own_camera;
             own_camera = false;
             dirty = true;
             break;
